@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+/// @file image.h
+/// Pictures in memory and in files (libsagitta-render). Values are linear, rows run from the top, pixels are
+/// interleaved floats.
+#ifndef SAGITTA_IMAGE_H
+#define SAGITTA_IMAGE_H
+
+#include <sagitta/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// A picture: pixels[(y·width + x)·channels + c], allocated from the context it was made with. channels: 1
+/// grey, 2 grey + alpha, 3 RGB, 4 RGBA.
+typedef struct sag_image {
+    uint32_t width, height, channels;
+    float *pixels;
+} sag_image;
+
+/// Largest width or height of an image.
+#define SAG_MAX_IMAGE_SIZE 65536u
+
+/// Makes a black picture. SAG_ERROR_ARGUMENT for a size of 0, over SAG_MAX_IMAGE_SIZE or channels not 1 … 4;
+/// SAG_ERROR_MEMORY. *image is written on success only.
+SAG_API sag_status sag_image_create(const sag_context *context, uint32_t width, uint32_t height,
+                                    uint32_t channels, sag_image *image, sag_error *error);
+/// Frees the pixels and zeroes the struct. Nothing happens for an empty struct or NULL.
+SAG_API void sag_image_clear(const sag_context *context, sag_image *image);
+
+/// How the numbers of an 8- or 16-bit file become linear ones.
+typedef enum sag_encoding {
+    SAG_ENCODING_DEFAULT, ///< sRGB for 8-bit files, linear for the others
+    SAG_ENCODING_SRGB,
+    SAG_ENCODING_LINEAR,
+} sag_encoding;
+
+/// Reads PNG, JPEG, TGA, BMP, HDR (Radiance), EXR or PFM; the kind is told by the content, not the name.
+/// Alpha is kept. Errors: SAG_ERROR_IO with the path, SAG_ERROR_FORMAT for damaged or foreign content,
+/// SAG_ERROR_MEMORY. Never crashes on hostile input.
+SAG_API sag_status sag_image_read(const sag_context *context, const char *path, sag_encoding encoding,
+                                  sag_image *image, sag_error *error);
+
+/// Writes by the name's ending: .png (8-bit sRGB, clipped to [0, 1]), .pfm and .exr (float, linear). The file
+/// appears whole or not at all: it is written beside its place under a temporary name, then renamed.
+/// Directories are not made.
+SAG_API sag_status sag_image_write(const sag_context *context, const sag_image *image, const char *path,
+                                   sag_error *error);
+
+/// The sRGB transfer function and its inverse, on [0, 1] (IEC 61966-2-1); values outside follow the same
+/// formula, odd-symmetric.
+SAG_API double sag_srgb_encode(double linear);
+SAG_API double sag_srgb_decode(double encoded);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+/// @file render.h
+/// From a scene to a picture (libsagitta-render): a world is a scene with materials, textures, lights, a
+/// camera and a film; a render makes its picture. sag_world_load reads one from a file.
+///
+/// A world is built by one thread at a time; once rendering it must not change. Colours are linear RGB with
+/// Rec. 709 primaries.
+#ifndef SAGITTA_RENDER_H
+#define SAGITTA_RENDER_H
+
+#include <sagitta/image.h>
+#include <sagitta/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sag_rgb {
+    double r, g, b;
+} sag_rgb;
+
+// ----------------------------------------------------------------------------------------------------------------
+// textures
+
+/// A texture of a world, counted from 1; 0 is "none", so that zero-initialised inputs are constants.
+typedef uint32_t sag_texture_id;
+
+/// A colour or number that may vary over the surface: the texture's value where texture ≠ 0, else `value`.
+typedef struct sag_input {
+    sag_rgb value; ///< a number is kept in r (and g, b)
+    sag_texture_id texture;
+} sag_input;
+
+typedef enum sag_texture_kind {
+    SAG_TEXTURE_CONSTANT, ///< a
+    SAG_TEXTURE_SCALE,    ///< a · b
+    SAG_TEXTURE_MIX,      ///< a (1 − amount) + b amount
+    SAG_TEXTURE_CHECKERBOARD, ///< a where ⌊u⌋+⌊v⌋ (or ⌊x⌋+⌊y⌋+⌊z⌋ when dimension is 3) is even, else b
+    SAG_TEXTURE_IMAGE, ///< a picture, bilinear
+} sag_texture_kind;
+
+typedef enum sag_wrap { SAG_WRAP_REPEAT, SAG_WRAP_BLACK, SAG_WRAP_CLAMP } sag_wrap;
+
+/// One texture. (u, v) ↦ (u·u_scale + u_offset, v·v_scale + v_offset) first; a scale of 0 counts as 1. v = 0
+/// is the bottom row.
+typedef struct sag_texture {
+    sag_texture_kind kind;
+    sag_input a, b, amount;
+    double u_scale, v_scale, u_offset, v_offset;
+    uint32_t dimension;          ///< of the checkerboard: 2 or 3; 0 counts as 2
+    sag_affine world_to_texture; ///< for dimension 3; zero-initialised: the identity
+    sag_image image;             ///< the world takes it over (its pixels come from the world's context)
+    sag_wrap wrap;
+    double scale; ///< multiplies the picture; 0 counts as 1
+    bool invert;  ///< 1 − value, before scale
+} sag_texture;
+
+// ---------------------------------------------------------------------------------------------------------------
+// materials
+
+typedef enum sag_material_kind {
+    SAG_MATERIAL_DIFFUSE,         ///< Lambertian: reflectance
+    SAG_MATERIAL_CONDUCTOR,       ///< metal: eta, k (or reflectance when both are 0); roughness
+    SAG_MATERIAL_DIELECTRIC,      ///< glass: eta.r is the index of refraction; both sides
+    SAG_MATERIAL_THIN_DIELECTRIC, ///< a pane: reflection and straight transmission, all inner bounces
+    SAG_MATERIAL_COATED_DIFFUSE,  ///< plastic: diffuse under a smooth or rough coat of index eta.r
+    SAG_MATERIAL_INTERFACE,       ///< not there at all: rays go on
+} sag_material_kind;
+
+/// What a surface does to light. Zero-initialised: black diffuse.
+typedef struct sag_material {
+    sag_material_kind kind;
+    sag_input reflectance;
+    sag_input eta, k;
+    sag_input roughness_u, roughness_v; ///< Trowbridge–Reitz α; 0 is a perfect mirror
+} sag_material;
+
+// ------------------------------------------------------------------------------------------------------------------
+// lights
+
+typedef enum sag_light_kind {
+    SAG_LIGHT_POINT,    ///< intensity at `from`
+    SAG_LIGHT_SPOT,     ///< intensity from `from` to `to`, full within cone − delta, nothing beyond cone
+    SAG_LIGHT_DISTANT,  ///< radiance arriving from the direction from − to, on a surface facing it
+    SAG_LIGHT_INFINITE, ///< the same radiance from all directions
+    SAG_LIGHT_SKY, ///< radiance changing from `horizon` to `color` with the height of the direction (y up);
+                   ///< for default scenes
+} sag_light_kind;
+
+typedef struct sag_light {
+    sag_light_kind kind;
+    sag_rgb color; ///< W/sr (point, spot), W/m² (distant), W/(m² sr) (infinite, sky) in the three primaries
+    sag_rgb horizon;
+    sag_vec3 from, to;
+    double cone_rad, cone_delta_rad;
+} sag_light;
+
+// -------------------------------------------------------------------------------------------------------------------
+// world
+
+typedef struct sag_world sag_world;
+
+/// An empty world; NULL when memory is short. The context must outlive it.
+SAG_API sag_world *sag_world_create(sag_context *context);
+/// Frees the world, its scenes and pictures. NULL does nothing.
+SAG_API void sag_world_destroy(sag_world *world);
+SAG_API sag_context *sag_world_context(const sag_world *world);
+
+/// The scene rays are sent into; owned by the world. sag_render_create commits it.
+SAG_API sag_scene *sag_world_scene(sag_world *world);
+/// Another scene owned by the world, to be placed by instances; NULL when memory is short. Commit it before
+/// instancing.
+SAG_API sag_scene *sag_world_add_object(sag_world *world);
+
+/// Adds a texture, material or light (copied). Returns its id (textures and materials count from 1) or 0 when
+/// memory is short.
+SAG_API sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture);
+SAG_API uint32_t sag_world_add_material(sag_world *world, const sag_material *material);
+SAG_API uint32_t sag_world_add_light(sag_world *world, const sag_light *light);
+
+/// How a geometry looks. Zero-initialised: the default material, grey diffuse.
+typedef struct sag_appearance {
+    uint32_t material; ///< 0: 50 % grey diffuse
+    sag_rgb emission;  ///< radiance W/(m² sr); not black: the geometry is an area light, on its front
+    bool two_sided;    ///< emits on both sides
+    bool flip;         ///< the front is the back (pbrt's ReverseOrientation, for emission)
+    sag_input alpha;   ///< with texture ≠ 0: where the value is 0 the surface is not there
+} sag_appearance;
+
+/// Binds a look to a geometry of one of the world's scenes (sets its user data). SAG_ERROR_ARGUMENT for an
+/// unknown geometry.
+SAG_API sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
+                                            const sag_appearance *appearance);
+
+// ----------------------------------------------------------------------------------------------- camera,
+// film and settings
+
+typedef enum sag_camera_kind {
+    SAG_CAMERA_PERSPECTIVE,
+    SAG_CAMERA_ORTHOGRAPHIC,
+    SAG_CAMERA_ENVIRONMENT
+} sag_camera_kind;
+
+/// Looks along +z with +x right and +y up in its own space (pbrt's: left-handed), which to_world places.
+typedef struct sag_camera {
+    sag_camera_kind kind;
+    sag_affine to_world;
+    double fov_rad;          ///< of the shorter image side (perspective); 0 counts as 90°
+    double screen_window[4]; ///< x_min x_max y_min y_max; all 0: [−1, 1] on the shorter side, as pbrt
+    double lens_radius, focal_distance; ///< depth of field; lens_radius 0: none
+} sag_camera;
+
+typedef enum sag_filter_kind { SAG_FILTER_BOX, SAG_FILTER_TRIANGLE, SAG_FILTER_GAUSSIAN } sag_filter_kind;
+
+typedef struct sag_film {
+    uint32_t width, height;
+    sag_filter_kind filter;
+    double filter_radius_x, filter_radius_y; ///< in pixels; 0: pbrt's default for the kind
+    double filter_sigma;                     ///< Gaussian; 0 counts as 0.5
+    char file[512];                          ///< the name the scene asks for; may be empty
+} sag_film;
+
+typedef enum sag_sampler_kind { SAG_SAMPLER_INDEPENDENT, SAG_SAMPLER_STRATIFIED } sag_sampler_kind;
+
+typedef enum sag_integrator_kind {
+    SAG_INTEGRATOR_PATH,   ///< all light paths: next-event estimation, multiple importance sampling, Russian
+                           ///< roulette
+    SAG_INTEGRATOR_DIRECT, ///< light that bounces once, mirrors and glass followed
+    SAG_INTEGRATOR_AO,     ///< ambient occlusion: the visible share of the cosine-weighted hemisphere
+    SAG_INTEGRATOR_NORMAL, ///< (n + 1)/2 of the shading normal, turned to the camera
+    SAG_INTEGRATOR_UV,     ///< texture coordinates (u, v, 0), wrapped to [0, 1]
+    SAG_INTEGRATOR_DEPTH,  ///< distance from the camera's origin; 0 where nothing is hit
+    SAG_INTEGRATOR_ID,     ///< a colour for each geometry (and instance)
+    SAG_INTEGRATOR_ALBEDO, ///< reflectance
+} sag_integrator_kind;
+
+/// Everything about how to look: what a scene file says above WorldBegin. sag_world_create fills the
+/// defaults: 1280×720, box filter, independent sampler, 16 samples, path, depth 5.
+typedef struct sag_settings {
+    sag_camera camera;
+    sag_film film;
+    sag_sampler_kind sampler;
+    uint32_t samples_per_pixel;
+    uint64_t seed;
+    sag_integrator_kind integrator;
+    uint32_t max_depth; ///< bounces
+} sag_settings;
+
+/// The world's settings, to read and to change until a render is made.
+SAG_API sag_settings *sag_world_settings(sag_world *world);
+
+// -------------------------------------------------------------------------------------------------------------------
+// files
+
+/// Reads a scene: pbrt-v4 by the ending .pbrt (or .pbrt.gz), anything else through Assimp, framed by a
+/// default camera, ground and sky. Adds to the world. Warnings go to the context's log as "file:line:col:
+/// warning: …"; the error has the place.
+SAG_API sag_status sag_world_load(sag_world *world, const char *path, sag_error *error);
+
+/// Called for each mesh that a file brings, before it is added; for `sagitta info`.
+typedef void (*sag_mesh_callback)(void *user, const char *name, const sag_mesh *mesh);
+/// As sag_world_load, without camera, ground, sky, materials and pictures: only the geometry, for casting
+/// rays.
+SAG_API sag_status sag_world_load_geometry(sag_world *world, const char *path, sag_mesh_callback on_mesh,
+                                           void *user, sag_error *error);
+
+// ------------------------------------------------------------------------------------------------------------------
+// render
+
+/// How far a render is; samples counts camera samples over all pixels.
+typedef struct sag_progress {
+    uint64_t samples_done, samples_total;
+    double seconds; ///< spent in sag_render_run so far
+} sag_progress;
+
+/// Called now and then, one call at a time, from any of the context's threads. Return false to stop the
+/// render.
+typedef bool (*sag_progress_callback)(void *user, const sag_progress *progress);
+
+typedef struct sag_render_stats {
+    uint64_t rays;           ///< traced, shadow rays included
+    uint64_t camera_samples; ///< taken
+    uint64_t bad_samples;    ///< NaN or infinite: counted and dropped
+    double build_seconds, trace_seconds;
+} sag_render_stats;
+
+typedef struct sag_render sag_render;
+
+/// Prepares a picture of the world as it is now: commits its scene, sorts its lights. NULL with *error on
+/// failure. The world must outlive the render and not change meanwhile.
+SAG_API sag_render *sag_render_create(sag_world *world, sag_error *error);
+SAG_API void sag_render_destroy(sag_render *render);
+/// Takes the samples that are not taken yet, on all the context's threads. SAG_ERROR_CANCELLED when the
+/// callback stopped it; what is done stays, and a further call goes on from there. The same bits however many
+/// threads there are.
+SAG_API sag_status sag_render_run(sag_render *render, sag_progress_callback progress, void *user,
+                                  sag_error *error);
+/// The picture from the samples taken so far: RGB, linear. Makes *image (sag_image_clear it).
+SAG_API sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_error *error);
+SAG_API void sag_render_get_stats(const sag_render *render, sag_render_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
