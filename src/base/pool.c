@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// A small thread pool. A parallel call makes a job on its own stack, hangs it in the pool's list, works on it
+// itself, takes it off the list when no index is left to claim and waits for the helpers that are still
+// inside. Indices are claimed one by one from an atomic counter, so uneven tasks balance themselves; whoever
+// wants larger pieces makes them part of the task.
+//
+// Why it cannot hang: the caller needs nobody. If no helper starts (the system has no more threads), none is
+// free, or another thread's job holds them all, the caller works through every index alone. Helpers take any
+// job in the list that has indices left, so calls from several threads at once share them.
+//
+// Nested calls run on the calling thread: each thread that works on a job notes itself in the list of frames,
+// and a call that finds its own thread there is nested. That needs no thread-local variable, so two contexts
+// stay strangers.
+#include "base/pool.h"
+#include <signal.h>
+#include <stdatomic.h>
+
+// Tasks may keep exact arithmetic's buffers on the stack; this is address space, not memory.
+#define STACK_BYTES ((size_t)4 << 20)
+
+struct sagi_job {
+    void (*task)(void *argument, size_t index);
+    void *argument;
+    size_t count;
+    atomic_size_t next; // the first index nobody claimed; runs past count by one for each thread that looked
+    uint32_t helper_count; // helpers inside; guarded by the pool's lock
+    sagi_job *link;
+};
+
+struct sagi_frame {
+    pthread_t thread;
+    sagi_frame *link;
+};
+
+static void enter(sagi_pool *pool, sagi_frame *frame) {
+    frame->thread = pthread_self();
+    frame->link = pool->frames;
+    pool->frames = frame;
+}
+
+static void leave(sagi_pool *pool, const sagi_frame *frame) {
+    sagi_frame **place = &pool->frames;
+    while (*place != frame) place = &(*place)->link;
+    *place = frame->link;
+}
+
+static bool is_inside(const sagi_pool *pool) {
+    pthread_t self = pthread_self();
+    for (const sagi_frame *f = pool->frames; f != NULL; f = f->link)
+        if (pthread_equal(f->thread, self)) return true;
+    return false;
+}
+
+static void work_on(sagi_job *job) {
+    for (;;) {
+        size_t index = atomic_fetch_add_explicit(&job->next, 1, memory_order_relaxed);
+        if (index >= job->count) return;
+        job->task(job->argument, index);
+    }
+}
+
+static sagi_job *open_job(const sagi_pool *pool) {
+    for (sagi_job *job = pool->jobs; job != NULL; job = job->link)
+        if (atomic_load_explicit(&job->next, memory_order_relaxed) < job->count) return job;
+    return NULL;
+}
+
+static void *helper_main(void *argument) {
+    sagi_pool *pool = argument;
+    sagi_frame frame;
+    pthread_mutex_lock(&pool->lock);
+    enter(pool, &frame);
+    while (!pool->stopping) {
+        sagi_job *job = open_job(pool);
+        if (job == NULL) {
+            pthread_cond_wait(&pool->work, &pool->lock);
+            continue;
+        }
+        job->helper_count++;
+        pthread_mutex_unlock(&pool->lock);
+        work_on(job);
+        pthread_mutex_lock(&pool->lock);
+        if (--job->helper_count == 0) pthread_cond_broadcast(&pool->done);
+    }
+    leave(pool, &frame);
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+// Starts what threads can be had, with all signals blocked so that the host's handlers run on the host's own
+// threads.
+static void start(sagi_pool *pool) {
+    pool->started = true;
+    pthread_attr_t attributes;
+    if (pthread_attr_init(&attributes) != 0) return;
+    pthread_attr_setstacksize(&attributes, STACK_BYTES);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (pool->helper_count < pool->helper_limit &&
+           pthread_create(&pool->helpers[pool->helper_count], &attributes, helper_main, pool) == 0)
+        pool->helper_count++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
+}
+
+bool sagi_pool_init(sagi_pool *pool, uint32_t helper_limit, pthread_t *helpers) {
+    *pool = (sagi_pool){.helper_limit = helper_limit, .helpers = helpers};
+    if (pthread_mutex_init(&pool->lock, NULL) != 0) return false;
+    if (pthread_cond_init(&pool->work, NULL) == 0) {
+        if (pthread_cond_init(&pool->done, NULL) == 0) return true;
+        pthread_cond_destroy(&pool->work);
+    }
+    pthread_mutex_destroy(&pool->lock);
+    return false;
+}
+
+void sagi_pool_clear(sagi_pool *pool) {
+    pthread_mutex_lock(&pool->lock);
+    pool->stopping = true;
+    pthread_cond_broadcast(&pool->work);
+    pthread_mutex_unlock(&pool->lock);
+    for (uint32_t i = 0; i < pool->helper_count; i++) pthread_join(pool->helpers[i], NULL);
+    pthread_cond_destroy(&pool->done);
+    pthread_cond_destroy(&pool->work);
+    pthread_mutex_destroy(&pool->lock);
+}
+
+void sagi_pool_run(sagi_pool *pool, size_t count, void (*task)(void *argument, size_t index),
+                   void *argument) {
+    sagi_job job = {.task = task, .argument = argument, .count = count};
+    sagi_frame frame;
+    pthread_mutex_lock(&pool->lock);
+    if (is_inside(pool)) {
+        pthread_mutex_unlock(&pool->lock);
+        work_on(&job);
+        return;
+    }
+    enter(pool, &frame);
+    if (count > 1) {
+        if (!pool->started) start(pool);
+        job.link = pool->jobs;
+        pool->jobs = &job;
+        pthread_cond_broadcast(&pool->work);
+    }
+    pthread_mutex_unlock(&pool->lock);
+
+    work_on(&job);
+
+    pthread_mutex_lock(&pool->lock);
+    for (sagi_job **place = &pool->jobs; *place != NULL; place = &(*place)->link) {
+        if (*place != &job) continue;
+        *place = job.link;
+        break;
+    }
+    while (job.helper_count > 0) pthread_cond_wait(&pool->done, &pool->lock);
+    leave(pool, &frame);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+typedef struct guest {
+    sagi_pool *pool;
+    void (*task)(void *argument, size_t index);
+    void *argument;
+} guest;
+
+// A task on a thread of the caller's scheduler: noted in the frames for as long as it runs.
+static void guest_task(void *argument, size_t index) {
+    const guest *g = argument;
+    sagi_frame frame;
+    pthread_mutex_lock(&g->pool->lock);
+    enter(g->pool, &frame);
+    pthread_mutex_unlock(&g->pool->lock);
+    g->task(g->argument, index);
+    pthread_mutex_lock(&g->pool->lock);
+    leave(g->pool, &frame);
+    pthread_mutex_unlock(&g->pool->lock);
+}
+
+void sagi_pool_run_on(sagi_pool *pool, const sag_executor *executor, size_t count,
+                      void (*task)(void *argument, size_t index), void *argument) {
+    pthread_mutex_lock(&pool->lock);
+    bool nested = is_inside(pool);
+    pthread_mutex_unlock(&pool->lock);
+    if (nested) {
+        for (size_t i = 0; i < count; i++) task(argument, i);
+        return;
+    }
+    guest g = {.pool = pool, .task = task, .argument = argument};
+    executor->run(executor->user, guest_task, &g, count);
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The vector functions that are more than a line.
+#include <sagitta/math.h>
+
+// Between these bounds the sum of squares neither overflows nor loses bits that matter to underflow: a square
+// that is flushed is below 2⁻¹⁰²² and the sum is at least 2⁻⁹⁰⁰, so it is smaller than a rounding. Outside,
+// the vector is first brought near 1 by a power of two, which is exact.
+sag_vec3 sag_normalize(sag_vec3 a) {
+    double squared = sag_dot(a, a);
+    if (!(squared > 0x1p-900 && squared < 0x1p1000)) {
+        double largest = sag_max_component(sag_abs(a));
+        if (largest == 0) return a;
+        int exponent = ilogb(largest); // of an infinite vector nothing sensible comes out: NaN
+        a = sag_vec3_make(scalbn(a.x, -exponent), scalbn(a.y, -exponent), scalbn(a.z, -exponent));
+        squared = sag_dot(a, a);
+    }
+    double length = sqrt(squared);
+    return sag_vec3_make(a.x / length, a.y / length, a.z / length);
+}
+
+void sag_frame(sag_vec3 n, sag_vec3 *s, sag_vec3 *t) {
+    double sign = copysign(1, n.z);
+    double a = -1 / (sign + n.z);
+    double b = n.x * n.y * a;
+    *s = sag_vec3_make(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    *t = sag_vec3_make(b, sign + n.y * n.y * a, -n.y);
+}
