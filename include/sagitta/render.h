@@ -19,7 +19,7 @@ typedef struct sag_rgb {
     double r, g, b;
 } sag_rgb;
 
-// ----------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------------------
 // textures
 
 /// A texture of a world, counted from 1; 0 is "none", so that zero-initialised inputs are constants.
@@ -55,7 +55,7 @@ typedef struct sag_texture {
     bool invert;  ///< 1 − value, before scale
 } sag_texture;
 
-// ---------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------------------
 // materials
 
 typedef enum sag_material_kind {
@@ -75,27 +75,31 @@ typedef struct sag_material {
     sag_input roughness_u, roughness_v; ///< Trowbridge–Reitz α; 0 is a perfect mirror
 } sag_material;
 
-// ------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------------------
 // lights
 
 typedef enum sag_light_kind {
     SAG_LIGHT_POINT,    ///< intensity at `from`
     SAG_LIGHT_SPOT,     ///< intensity from `from` to `to`, full within cone − delta, nothing beyond cone
     SAG_LIGHT_DISTANT,  ///< radiance arriving from the direction from − to, on a surface facing it
-    SAG_LIGHT_INFINITE, ///< the same radiance from all directions
-    SAG_LIGHT_SKY, ///< radiance changing from `horizon` to `color` with the height of the direction (y up);
-                   ///< for default scenes
+    SAG_LIGHT_INFINITE, ///< from all directions: the same radiance, or a picture's
+    SAG_LIGHT_SKY,      ///< radiance changing from `horizon` (and below) to `color` with the height of the
+                        ///< direction (y up); for default scenes
 } sag_light_kind;
 
+/// A light that is not a geometry (those shine by their sag_appearance).
 typedef struct sag_light {
     sag_light_kind kind;
     sag_rgb color; ///< W/sr (point, spot), W/m² (distant), W/(m² sr) (infinite, sky) in the three primaries
-    sag_rgb horizon;
-    sag_vec3 from, to;
-    double cone_rad, cone_delta_rad;
+    sag_rgb horizon;                 ///< of the sky
+    sag_vec3 from, to;               ///< in the scene's space
+    double cone_rad, cone_delta_rad; ///< half angles of the spot; pbrt's coneangle and conedeltaangle
+    sag_image image;     ///< infinite: multiplies `color`, square, in the equal-area octahedral mapping
+                         ///< (Clarberg 2008), as pbrt-v4's; the world takes it over. Empty: constant
+    sag_affine to_world; ///< infinite: places the picture; zero-initialised: the identity
 } sag_light;
 
-// -------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------------------
 // world
 
 typedef struct sag_world sag_world;
@@ -112,18 +116,21 @@ SAG_API sag_scene *sag_world_scene(sag_world *world);
 /// instancing.
 SAG_API sag_scene *sag_world_add_object(sag_world *world);
 
-/// Adds a texture, material or light (copied). Returns its id (textures and materials count from 1) or 0 when
-/// memory is short.
+/// Adds a texture, material or light (copied; pictures are taken over, also on failure). Returns its id
+/// (each kind counts from 1) or 0 when memory is short, an input names a texture that was not added before,
+/// or textures nest more than 32 deep.
 SAG_API sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture);
 SAG_API uint32_t sag_world_add_material(sag_world *world, const sag_material *material);
 SAG_API uint32_t sag_world_add_light(sag_world *world, const sag_light *light);
 
-/// How a geometry looks. Zero-initialised: the default material, grey diffuse.
+/// How a geometry looks. Zero-initialised: the default material, grey diffuse. The front is where the
+/// geometric normal points, turned to the side of the shading normal where a mesh brings normals of its own
+/// (as pbrt does), then turned by `flip`.
 typedef struct sag_appearance {
     uint32_t material; ///< 0: 50 % grey diffuse
     sag_rgb emission;  ///< radiance W/(m² sr); not black: the geometry is an area light, on its front
     bool two_sided;    ///< emits on both sides
-    bool flip;         ///< the front is the back (pbrt's ReverseOrientation, for emission)
+    bool flip;         ///< the front is the back (pbrt's ReverseOrientation)
     sag_input alpha;   ///< with texture ≠ 0: where the value is 0 the surface is not there
 } sag_appearance;
 
@@ -132,13 +139,13 @@ typedef struct sag_appearance {
 SAG_API sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                             const sag_appearance *appearance);
 
-// ----------------------------------------------------------------------------------------------- camera,
-// film and settings
+// -----------------------------------------------------------------------------------------------------------
+// camera, film and settings
 
 typedef enum sag_camera_kind {
     SAG_CAMERA_PERSPECTIVE,
     SAG_CAMERA_ORTHOGRAPHIC,
-    SAG_CAMERA_ENVIRONMENT
+    SAG_CAMERA_ENVIRONMENT ///< all directions: longitude 0 … 2π from left to right, the pole y at the top
 } sag_camera_kind;
 
 /// Looks along +z with +x right and +y up in its own space (pbrt's: left-handed), which to_world places.
@@ -147,7 +154,8 @@ typedef struct sag_camera {
     sag_affine to_world;
     double fov_rad;          ///< of the shorter image side (perspective); 0 counts as 90°
     double screen_window[4]; ///< x_min x_max y_min y_max; all 0: [−1, 1] on the shorter side, as pbrt
-    double lens_radius, focal_distance; ///< depth of field; lens_radius 0: none
+    double lens_radius;      ///< depth of field; 0: none
+    double focal_distance;   ///< what is sharp with a lens; 0: infinity
 } sag_camera;
 
 typedef enum sag_filter_kind { SAG_FILTER_BOX, SAG_FILTER_TRIANGLE, SAG_FILTER_GAUSSIAN } sag_filter_kind;
@@ -160,19 +168,32 @@ typedef struct sag_film {
     char file[512];                          ///< the name the scene asks for; may be empty
 } sag_film;
 
-typedef enum sag_sampler_kind { SAG_SAMPLER_INDEPENDENT, SAG_SAMPLER_STRATIFIED } sag_sampler_kind;
+/// Where the random numbers come from. Each number is a pure function of seed, pixel, sample and dimension.
+typedef enum sag_sampler_kind {
+    SAG_SAMPLER_INDEPENDENT, ///< uniform, unrelated
+    SAG_SAMPLER_STRATIFIED,  ///< one in each of samples_per_pixel strata, in every dimension (pair)
+    SAG_SAMPLER_SOBOL, ///< Owen-scrambled Sobol’ points in every dimension pair (Burley, JCGT 9(4), 2020)
+} sag_sampler_kind;
 
 typedef enum sag_integrator_kind {
     SAG_INTEGRATOR_PATH,   ///< all light paths: next-event estimation, multiple importance sampling, Russian
                            ///< roulette
     SAG_INTEGRATOR_DIRECT, ///< light that bounces once, mirrors and glass followed
-    SAG_INTEGRATOR_AO,     ///< ambient occlusion: the visible share of the cosine-weighted hemisphere
+    SAG_INTEGRATOR_AO, ///< ambient occlusion: the visible share of the cosine-weighted hemisphere; 0 where
+                       ///< nothing is hit
     SAG_INTEGRATOR_NORMAL, ///< (n + 1)/2 of the shading normal, turned to the camera
     SAG_INTEGRATOR_UV,     ///< texture coordinates (u, v, 0), wrapped to [0, 1]
     SAG_INTEGRATOR_DEPTH,  ///< distance from the camera's origin; 0 where nothing is hit
     SAG_INTEGRATOR_ID,     ///< a colour for each geometry (and instance)
     SAG_INTEGRATOR_ALBEDO, ///< reflectance
 } sag_integrator_kind;
+
+/// How the path tracer finds the light that reaches a surface. All three have the same mean; for comparison.
+typedef enum sag_strategy {
+    SAG_STRATEGY_MIS,      ///< lights and surfaces sampled, weighted by the power heuristic (Veach 1995)
+    SAG_STRATEGY_LIGHTS,   ///< lights sampled; surfaces only for mirrors and glass
+    SAG_STRATEGY_SURFACES, ///< surfaces sampled; point, spot and distant lights, which no ray finds, sampled
+} sag_strategy;
 
 /// Everything about how to look: what a scene file says above WorldBegin. sag_world_create fills the
 /// defaults: 1280×720, box filter, independent sampler, 16 samples, path, depth 5.
@@ -183,13 +204,14 @@ typedef struct sag_settings {
     uint32_t samples_per_pixel;
     uint64_t seed;
     sag_integrator_kind integrator;
-    uint32_t max_depth; ///< bounces
+    uint32_t max_depth;    ///< bounces; 0: only what shines by itself
+    sag_strategy strategy; ///< path and direct only
 } sag_settings;
 
 /// The world's settings, to read and to change until a render is made.
 SAG_API sag_settings *sag_world_settings(sag_world *world);
 
-// -------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------------------
 // files
 
 /// Reads a scene: pbrt-v4 by the ending .pbrt (or .pbrt.gz), anything else through Assimp, framed by a
@@ -204,7 +226,7 @@ typedef void (*sag_mesh_callback)(void *user, const char *name, const sag_mesh *
 SAG_API sag_status sag_world_load_geometry(sag_world *world, const char *path, sag_mesh_callback on_mesh,
                                            void *user, sag_error *error);
 
-// ------------------------------------------------------------------------------------------------------------------
+// -----------------------------------------------------------------------------------------------------------
 // render
 
 /// How far a render is; samples counts camera samples over all pixels.
