@@ -36,14 +36,18 @@ typedef enum sag_encoding {
 } sag_encoding;
 
 /// Reads PNG, JPEG, TGA, BMP, HDR (Radiance), EXR or PFM; the kind is told by the content, not the name.
-/// Alpha is kept. Errors: SAG_ERROR_IO with the path, SAG_ERROR_FORMAT for damaged or foreign content,
-/// SAG_ERROR_MEMORY. Never crashes on hostile input.
+/// Alpha is kept, and always linear. EXR: the channels R G B and A, or Y, or the first; of the first part. A
+/// file that ends too soon is an error, never a picture with a grey end. Threads: any
+/// (tests/render/test_images.c). Errors: SAG_ERROR_IO with the path, SAG_ERROR_FORMAT for damaged or foreign
+/// content, SAG_ERROR_MEMORY. Never crashes on hostile input.
 SAG_API sag_status sag_image_read(const sag_context *context, const char *path, sag_encoding encoding,
                                   sag_image *image, sag_error *error);
 
-/// Writes by the name's ending: .png (8-bit sRGB, clipped to [0, 1]), .pfm and .exr (float, linear). The file
-/// appears whole or not at all: it is written beside its place under a temporary name, then renamed.
-/// Directories are not made.
+/// Writes by the name's ending, in either case: .png (8-bit sRGB, clipped to [0, 1], rounded to the nearest,
+/// NaN as 0), .pfm (without alpha) and .exr (32-bit float, ZIP; channels R G B A or Y A), both linear and
+/// exact. The file appears whole or not at all: it is written beside its place under a temporary name, then
+/// renamed; a pipe or device is written to directly. Directories are not made. SAG_ERROR_ARGUMENT for another
+/// ending or an empty image, SAG_ERROR_IO with the system's reason.
 SAG_API sag_status sag_image_write(const sag_context *context, const sag_image *image, const char *path,
                                    sag_error *error);
 

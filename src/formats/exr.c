@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+// OpenEXR through OpenEXRCore, its C library. Reading: the first part, scan lines or tiles (the full-size
+// level), the channels R G B (A), or Y (A), or whatever the first is; halves become floats; chunk by chunk
+// into the image. Writing: one part of scan lines, 32-bit floats, ZIP, into memory first, since the library
+// fills its chunk table last and a pipe cannot go back.
+#include "formats/image.h"
+
+#if SAGITTA_HAVE_OPENEXR
+
+#include <openexr.h>
+#include <string.h>
+
+typedef struct reader {
+    const sagi_image_source *source;
+    exr_context_t exr;
+} reader;
+
+static int64_t on_size(exr_const_context_t exr, void *user) {
+    (void)exr;
+    return (int64_t)((const reader *)user)->source->size;
+}
+
+static int64_t on_read(exr_const_context_t exr, void *user, void *out, uint64_t count, uint64_t offset,
+                       exr_stream_error_func_ptr_t on_error) {
+    (void)exr, (void)on_error;
+    const sagi_image_source *source = ((const reader *)user)->source;
+    if (offset >= source->size) return 0;
+    const uint64_t left = source->size - offset;
+    if (count > left) count = left;
+    memcpy(out, source->bytes + offset, count);
+    return (int64_t)count;
+}
+
+// The library prints where it has no callback. What it says also comes as a code.
+static void on_message(exr_const_context_t exr, exr_result_t code, const char *message) {
+    (void)exr, (void)code, (void)message;
+}
+
+static sag_status damaged(const reader *r, sag_error *error, exr_result_t code) {
+    return sagi_image_damaged(r->source, error, "EXR",
+                              code == EXR_ERR_READ_IO ? "the file is cut short"
+                                                      : exr_get_default_error_message(code));
+}
+
+// Which channels of the file go where: names[i] is the image's channel i.
+typedef struct selection {
+    const char *names[4];
+    uint32_t count;
+} selection;
+
+static bool has_channel(const exr_attr_chlist_t *list, const char *name) {
+    for (int i = 0; i < list->num_channels; i++)
+        if (strcmp(list->entries[i].name.str, name) == 0) return true;
+    return false;
+}
+
+static selection select_channels(const exr_attr_chlist_t *list) {
+    selection s = {{NULL}, 0};
+    if (has_channel(list, "R") && has_channel(list, "G") && has_channel(list, "B")) {
+        s.names[0] = "R", s.names[1] = "G", s.names[2] = "B";
+        s.count = 3;
+    } else {
+        s.names[0] = has_channel(list, "Y") ? "Y" : list->entries[0].name.str;
+        s.count = 1;
+    }
+    if (has_channel(list, "A") && strcmp(s.names[0], "A") != 0) s.names[s.count++] = "A";
+    return s;
+}
+
+// Reads one chunk (a band of scan lines, or a tile) to column x and row y of the image.
+static exr_result_t read_chunk(const reader *r, const exr_chunk_info_t *chunk,
+                               exr_decode_pipeline_t *pipeline, bool first, const selection *s, uint32_t x,
+                               uint32_t y, sag_image *image) {
+    exr_result_t code = first ? exr_decoding_initialize(r->exr, 0, chunk, pipeline)
+                              : exr_decoding_update(r->exr, 0, chunk, pipeline);
+    if (code != EXR_ERR_SUCCESS) return code;
+    const uint32_t stride = image->channels * (uint32_t)sizeof(float);
+    for (int i = 0; i < pipeline->channel_count; i++) {
+        exr_coding_channel_info_t *channel = &pipeline->channels[i];
+        channel->decode_to_ptr = NULL;
+        for (uint32_t c = 0; c < s->count; c++) {
+            if (strcmp(channel->channel_name, s->names[c]) != 0) continue;
+            if ((uint64_t)x + (uint64_t)channel->width > image->width ||
+                (uint64_t)y + (uint64_t)channel->height > image->height)
+                return EXR_ERR_CORRUPT_CHUNK;
+            channel->decode_to_ptr =
+                (uint8_t *)(image->pixels + ((size_t)y * image->width + x) * image->channels + c);
+            channel->user_data_type = EXR_PIXEL_FLOAT;
+            channel->user_bytes_per_element = 4;
+            channel->user_pixel_stride = (int32_t)stride;
+            channel->user_line_stride = (int32_t)(stride * image->width);
+        }
+    }
+    if (first) code = exr_decoding_choose_default_routines(r->exr, 0, pipeline);
+    return code == EXR_ERR_SUCCESS ? exr_decoding_run(r->exr, 0, pipeline) : code;
+}
+
+static exr_result_t read_scanlines(const reader *r, const exr_attr_box2i_t *window, const selection *s,
+                                   exr_decode_pipeline_t *pipeline, sag_image *image) {
+    int32_t lines = 0;
+    exr_result_t code = exr_get_scanlines_per_chunk(r->exr, 0, &lines);
+    if (code == EXR_ERR_SUCCESS && lines < 1) code = EXR_ERR_CORRUPT_CHUNK;
+    for (uint32_t y = 0; code == EXR_ERR_SUCCESS && y < image->height; y += (uint32_t)lines) {
+        exr_chunk_info_t chunk;
+        code = exr_read_scanline_chunk_info(r->exr, 0, window->min.y + (int32_t)y, &chunk);
+        if (code == EXR_ERR_SUCCESS) code = read_chunk(r, &chunk, pipeline, y == 0, s, 0, y, image);
+    }
+    return code;
+}
+
+static exr_result_t read_tiles(const reader *r, const selection *s, exr_decode_pipeline_t *pipeline,
+                               sag_image *image) {
+    int32_t tile_width = 0, tile_height = 0;
+    exr_result_t code = exr_get_tile_sizes(r->exr, 0, 0, 0, &tile_width, &tile_height);
+    if (code == EXR_ERR_SUCCESS && (tile_width < 1 || tile_height < 1)) code = EXR_ERR_CORRUPT_CHUNK;
+    bool first = true;
+    for (uint32_t y = 0; code == EXR_ERR_SUCCESS && y < image->height; y += (uint32_t)tile_height) {
+        for (uint32_t x = 0; code == EXR_ERR_SUCCESS && x < image->width; x += (uint32_t)tile_width) {
+            exr_chunk_info_t chunk;
+            code = exr_read_tile_chunk_info(r->exr, 0, (int)(x / (uint32_t)tile_width),
+                                            (int)(y / (uint32_t)tile_height), 0, 0, &chunk);
+            if (code == EXR_ERR_SUCCESS) code = read_chunk(r, &chunk, pipeline, first, s, x, y, image);
+            first = false;
+        }
+    }
+    return code;
+}
+
+static sag_status read_part(const reader *r, sag_image *image, sag_error *error) {
+    exr_storage_t storage;
+    exr_attr_box2i_t window;
+    const exr_attr_chlist_t *list = NULL;
+    exr_result_t code = exr_get_storage(r->exr, 0, &storage);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(r->exr, 0, &window);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_channels(r->exr, 0, &list);
+    if (code != EXR_ERR_SUCCESS) return damaged(r, error, code);
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return sagi_image_damaged(r->source, error, "EXR", "deep images are not pictures");
+    if (list->num_channels < 1) return sagi_image_damaged(r->source, error, "EXR", "it has no channels");
+    const selection s = select_channels(list);
+    for (int i = 0; i < list->num_channels; i++)
+        if (list->entries[i].x_sampling != 1 || list->entries[i].y_sampling != 1)
+            return sagi_image_damaged(r->source, error, "EXR",
+                                      "channels of reduced resolution are not supported");
+    const int64_t width = (int64_t)window.max.x - window.min.x + 1,
+                  height = (int64_t)window.max.y - window.min.y + 1;
+    sag_status status =
+        sagi_image_create_for(r->source, width < 1 ? 0 : (uint64_t)width, height < 1 ? 0 : (uint64_t)height,
+                              s.count, 8 * 1032, "EXR", image, error);
+    if (status != SAG_OK) return status;
+    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+    code = storage == EXR_STORAGE_TILED ? read_tiles(r, &s, &pipeline, image)
+                                        : read_scanlines(r, &window, &s, &pipeline, image);
+    exr_decoding_destroy(r->exr, &pipeline);
+    return code == EXR_ERR_SUCCESS ? SAG_OK : damaged(r, error, code);
+}
+
+sag_status sagi_exr_read(const sagi_image_source *source, sag_image *image, sag_error *error) {
+    reader r = {.source = source};
+    exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    options.error_handler_fn = on_message;
+    options.user_data = &r;
+    options.read_fn = on_read;
+    options.size_fn = on_size;
+    options.max_image_width = options.max_image_height = SAG_MAX_IMAGE_SIZE;
+    options.flags = EXR_CONTEXT_FLAG_SILENT_HEADER_PARSE | EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    const exr_result_t code = exr_start_read(&r.exr, source->path, &options);
+    if (code != EXR_ERR_SUCCESS) return damaged(&r, error, code);
+    const sag_status status = read_part(&r, image, error);
+    exr_finish(&r.exr);
+    return status;
+}
+
+// The file as it grows; writes may go back.
+typedef struct writer {
+    const sag_context *context;
+    uint8_t *bytes;
+    size_t size, allocated;
+} writer;
+
+static int64_t on_write(exr_const_context_t exr, void *user, const void *data, uint64_t count,
+                        uint64_t offset, exr_stream_error_func_ptr_t on_error) {
+    (void)exr, (void)on_error;
+    writer *w = user;
+    const size_t end = (size_t)(offset + count);
+    if (end > w->allocated) {
+        const size_t larger = 2 * end;
+        uint8_t *bytes = sag_allocate(w->context, larger);
+        if (!bytes) return -1;
+        if (w->size) memcpy(bytes, w->bytes, w->size);
+        memset(bytes + w->size, 0, larger - w->size);
+        sag_release(w->context, w->bytes, w->allocated);
+        w->bytes = bytes;
+        w->allocated = larger;
+    }
+    memcpy(w->bytes + offset, data, count);
+    if (end > w->size) w->size = end;
+    return (int64_t)count;
+}
+
+// In the file channels stand in alphabetical order; component[i] is where channel i is in the image.
+static exr_result_t add_channels(exr_context_t exr, uint32_t channels, uint32_t component[4]) {
+    static const char *const names[4][4] = {{"Y"}, {"A", "Y"}, {"B", "G", "R"}, {"A", "B", "G", "R"}};
+    exr_result_t code = EXR_ERR_SUCCESS;
+    for (uint32_t i = 0; code == EXR_ERR_SUCCESS && i < channels; i++) {
+        component[i] = channels - 1 - i;
+        code = exr_add_channel(exr, 0, names[channels - 1][i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC,
+                               1, 1);
+    }
+    return code;
+}
+
+static exr_result_t write_lines(exr_context_t exr, const sag_image *image, const uint32_t component[4],
+                                exr_encode_pipeline_t *pipeline) {
+    int32_t lines = 0;
+    exr_result_t code = exr_get_scanlines_per_chunk(exr, 0, &lines);
+    for (uint32_t y = 0; code == EXR_ERR_SUCCESS && y < image->height; y += (uint32_t)lines) {
+        exr_chunk_info_t chunk;
+        code = exr_write_scanline_chunk_info(exr, 0, (int)y, &chunk);
+        if (code == EXR_ERR_SUCCESS)
+            code = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, pipeline)
+                          : exr_encoding_update(exr, 0, &chunk, pipeline);
+        if (code != EXR_ERR_SUCCESS) break;
+        const uint32_t stride = image->channels * (uint32_t)sizeof(float);
+        for (int i = 0; i < pipeline->channel_count; i++) {
+            exr_coding_channel_info_t *channel = &pipeline->channels[i];
+            channel->user_data_type = EXR_PIXEL_FLOAT;
+            channel->user_bytes_per_element = 4;
+            channel->user_pixel_stride = (int32_t)stride;
+            channel->user_line_stride = (int32_t)(stride * image->width);
+            channel->encode_from_ptr =
+                (const uint8_t *)(image->pixels + (size_t)y * image->width * image->channels + component[i]);
+        }
+        if (y == 0) code = exr_encoding_choose_default_routines(exr, 0, pipeline);
+        if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, pipeline);
+    }
+    return code;
+}
+
+sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FILE *file, const char *path,
+                          sag_error *error) {
+    writer w = {.context = context};
+    exr_context_t exr;
+    exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    options.error_handler_fn = on_message;
+    options.user_data = &w;
+    options.write_fn = on_write;
+    exr_result_t code = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &options);
+    if (code == EXR_ERR_SUCCESS) {
+        uint32_t component[4];
+        exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+        code = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, NULL);
+        if (code == EXR_ERR_SUCCESS)
+            code = exr_initialize_required_attr_simple(exr, 0, (int32_t)image->width, (int32_t)image->height,
+                                                       EXR_COMPRESSION_ZIP);
+        if (code == EXR_ERR_SUCCESS) code = add_channels(exr, image->channels, component);
+        if (code == EXR_ERR_SUCCESS) code = exr_write_header(exr);
+        if (code == EXR_ERR_SUCCESS) code = write_lines(exr, image, component, &pipeline);
+        exr_encoding_destroy(exr, &pipeline);
+        const exr_result_t end = exr_finish(&exr);
+        if (code == EXR_ERR_SUCCESS) code = end;
+    }
+    if (code == EXR_ERR_SUCCESS) fwrite(w.bytes, 1, w.size, file);
+    sag_release(context, w.bytes, w.allocated);
+    return code == EXR_ERR_SUCCESS ? SAG_OK
+                                   : sag_error_set_at(error, SAG_ERROR_IO, path, 0, 0, "cannot write EXR: %s",
+                                                      exr_get_default_error_message(code));
+}
+
+#else // OpenEXR has its C interface since version 3.1
+
+sag_status sagi_exr_read(const sagi_image_source *source, sag_image *image, sag_error *error) {
+    (void)image;
+    return sag_error_set_at(error, SAG_ERROR_FORMAT, source->path, 0, 0,
+                            "built without OpenEXR: cannot read EXR");
+}
+
+sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FILE *file, const char *path,
+                          sag_error *error) {
+    (void)context, (void)image, (void)file;
+    return sag_error_set_at(error, SAG_ERROR_ARGUMENT, path, 0, 0, "built without OpenEXR: cannot write EXR");
+}
+
+#endif
