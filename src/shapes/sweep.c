@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "shapes/sweep.h"
+#include "shapes/quadric_solve.h"
+
+bool sagi_sweep_holds(double phi_max_rad, sag_vec3 center, const sag_ray *ray, double t) {
+    if (sagi_sweep_is_full(phi_max_rad)) return true;
+    double x = sagi_ray_coordinate(ray->origin.x, center.x, t, ray->direction.x).hi;
+    double y = sagi_ray_coordinate(ray->origin.y, center.y, t, ray->direction.y).hi;
+    return sagi_sweep_angle(x, y) <= phi_max_rad;
+}
+
+sag_box3 sagi_sweep_bounds(double phi_max_rad, double radius, double z_min, double z_max) {
+    double end = sagi_sweep_end(phi_max_rad), r = radius;
+    sag_box3 box = {{-r, -r, z_min}, {r, r, z_max}};
+    if (end < SAGI_PI) box.min.x = fmin(0, r * cos(end));
+    if (end < SAGI_PI / 2) box.max.y = r * sin(end);
+    if (end <= SAGI_PI)
+        box.min.y = 0;
+    else if (end < SAGI_PI * 3 / 2)
+        box.min.y = r * sin(end);
+    return box;
+}
+
+sag_status sagi_sweep_validate(const char *shape, double phi_max_rad, sag_error *error) {
+    // 2π may have been rounded from a float or from degrees on the way here.
+    if (phi_max_rad >= 0 && phi_max_rad <= SAGI_TWO_PI * (1 + 0x1p-22)) return SAG_OK;
+    return sag_error_set(error, SAG_ERROR_GEOMETRY, "%s.phi_max_rad is %.17g: must be in [0, 2π]", shape,
+                         phi_max_rad);
+}
+
+sag_status sagi_validate_coordinate(const char *field, double value, sag_error *error) {
+    if (fabs(value) <= SAG_MAX_COORDINATE) return SAG_OK;
+    return sag_error_set(error, SAG_ERROR_GEOMETRY,
+                         "%s is %.17g: must be a number of magnitude at most 2^100", field, value);
+}
+
+sag_status sagi_validate_positive(const char *field, double value, sag_error *error) {
+    if (value > 0 && value <= SAG_MAX_COORDINATE) return SAG_OK;
+    return sag_error_set(error, SAG_ERROR_GEOMETRY, "%s is %.17g: must be > 0 and at most 2^100", field,
+                         value);
+}
+
+sag_status sagi_validate_point(const char *field, sag_vec3 value, sag_error *error) {
+    if (fabs(value.x) <= SAG_MAX_COORDINATE && fabs(value.y) <= SAG_MAX_COORDINATE &&
+        fabs(value.z) <= SAG_MAX_COORDINATE)
+        return SAG_OK;
+    return sag_error_set(error, SAG_ERROR_GEOMETRY,
+                         "%s is (%.17g, %.17g, %.17g): must be numbers of magnitude at most 2^100", field,
+                         value.x, value.y, value.z);
+}
