@@ -23,20 +23,17 @@ static bool is_usable(const sag_sphere *s) {
     return s->radius > 0 && isfinite(s->radius) && sag_is_finite(s->center) && bottom(s) < top(s);
 }
 
-sag_status sag_sphere_validate(const sag_sphere *sphere, sag_error *error) {
-    sag_status status;
-    if ((status = sagi_validate_point("sphere.center", sphere->center, error)) != SAG_OK) return status;
-    if ((status = sagi_validate_positive("sphere.radius", sphere->radius, error)) != SAG_OK) return status;
-    if ((status = sagi_sweep_validate("sphere", sphere->phi_max_rad, error)) != SAG_OK) return status;
-    if (!is_clipped(sphere)) return SAG_OK;
-    if (!(sphere->z_min < sphere->z_max))
-        return sag_error_set(error, SAG_ERROR_GEOMETRY,
-                             "sphere.z_min is %.17g: must be less than z_max, %.17g", sphere->z_min,
-                             sphere->z_max);
-    if (!(sphere->z_min < sphere->radius && sphere->z_max > -sphere->radius))
-        return sag_error_set(error, SAG_ERROR_GEOMETRY,
-                             "sphere.z_min, z_max are %.17g, %.17g: nothing of radius %.17g is between them",
-                             sphere->z_min, sphere->z_max, sphere->radius);
+sag_status sag_sphere_validate(const sag_sphere *s, sag_error *error) {
+    sag_status status = sagi_check_point(error, "sphere", "center", s->center);
+    if (status == SAG_OK) status = sagi_check_positive(error, "sphere", "radius", s->radius);
+    if (status == SAG_OK) status = sagi_sweep_validate(error, "sphere", s->phi_max_rad);
+    if (status != SAG_OK || !is_clipped(s)) return status;
+    if (!(s->z_min < s->z_max))
+        return sagi_invalid(error, "sphere", "z_min", s->z_min, "must be less than z_max");
+    if (!(s->z_min < s->radius))
+        return sagi_invalid(error, "sphere", "z_min", s->z_min, "leaves nothing: it must be below radius");
+    if (!(s->z_max > -s->radius))
+        return sagi_invalid(error, "sphere", "z_max", s->z_max, "leaves nothing: it must be above -radius");
     return SAG_OK;
 }
 
@@ -54,9 +51,10 @@ sag_box3 sag_sphere_bounds(const sag_sphere *sphere) {
 }
 
 static bool holds(const sag_sphere *sphere, const sag_ray *ray, double t) {
-    if (is_clipped(sphere)) {
+    if (is_clipped(sphere)) { // a bound beyond the radius cuts nothing, not even a pole rounded outward
         double z = sagi_ray_coordinate(ray->origin.z, sphere->center.z, t, ray->direction.z).hi;
-        if (!(z >= bottom(sphere) && z <= top(sphere))) return false;
+        if (sphere->z_min > -sphere->radius && !(z >= sphere->z_min)) return false;
+        if (sphere->z_max < sphere->radius && !(z <= sphere->z_max)) return false;
     }
     return sagi_sweep_holds(sphere->phi_max_rad, sphere->center, ray, t);
 }

@@ -21,30 +21,8 @@ sag_box3 sagi_sweep_bounds(double phi_max_rad, double radius, double z_min, doub
     return box;
 }
 
-sag_status sagi_sweep_validate(const char *shape, double phi_max_rad, sag_error *error) {
+sag_status sagi_sweep_validate(sag_error *error, const char *shape, double phi_max_rad) {
     // 2π may have been rounded from a float or from degrees on the way here.
     if (phi_max_rad >= 0 && phi_max_rad <= SAGI_TWO_PI * (1 + 0x1p-22)) return SAG_OK;
-    return sag_error_set(error, SAG_ERROR_GEOMETRY, "%s.phi_max_rad is %.17g: must be in [0, 2π]", shape,
-                         phi_max_rad);
-}
-
-sag_status sagi_validate_coordinate(const char *field, double value, sag_error *error) {
-    if (fabs(value) <= SAG_MAX_COORDINATE) return SAG_OK;
-    return sag_error_set(error, SAG_ERROR_GEOMETRY,
-                         "%s is %.17g: must be a number of magnitude at most 2^100", field, value);
-}
-
-sag_status sagi_validate_positive(const char *field, double value, sag_error *error) {
-    if (value > 0 && value <= SAG_MAX_COORDINATE) return SAG_OK;
-    return sag_error_set(error, SAG_ERROR_GEOMETRY, "%s is %.17g: must be > 0 and at most 2^100", field,
-                         value);
-}
-
-sag_status sagi_validate_point(const char *field, sag_vec3 value, sag_error *error) {
-    if (fabs(value.x) <= SAG_MAX_COORDINATE && fabs(value.y) <= SAG_MAX_COORDINATE &&
-        fabs(value.z) <= SAG_MAX_COORDINATE)
-        return SAG_OK;
-    return sag_error_set(error, SAG_ERROR_GEOMETRY,
-                         "%s is (%.17g, %.17g, %.17g): must be numbers of magnitude at most 2^100", field,
-                         value.x, value.y, value.z);
+    return sagi_invalid(error, shape, "phi_max_rad", phi_max_rad, "must be from 0 to 2 pi");
 }

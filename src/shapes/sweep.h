@@ -4,6 +4,7 @@
 #define SAGI_SHAPES_SWEEP_H
 
 #include "shapes/common.h"
+#include "shapes/validate.h"
 
 #define SAGI_TWO_PI (2 * SAGI_PI)
 
@@ -31,12 +32,6 @@ bool sagi_sweep_holds(double phi_max_rad, sag_vec3 center, const sag_ray *ray, d
 sag_box3 sagi_sweep_bounds(double phi_max_rad, double radius, double z_min, double z_max);
 
 // SAG_OK when phi_max_rad is in [0, 2π], else the message. `shape` names it.
-sag_status sagi_sweep_validate(const char *shape, double phi_max_rad, sag_error *error);
-
-// SAG_OK when |value| ≤ SAG_MAX_COORDINATE (and not NaN), else the message. `field` is "sphere.radius".
-sag_status sagi_validate_coordinate(const char *field, double value, sag_error *error);
-// The same, and value > 0.
-sag_status sagi_validate_positive(const char *field, double value, sag_error *error);
-sag_status sagi_validate_point(const char *field, sag_vec3 value, sag_error *error);
+sag_status sagi_sweep_validate(sag_error *error, const char *shape, double phi_max_rad);
 
 #endif
