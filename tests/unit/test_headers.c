@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The umbrella header compiles and its version agrees with itself.
 #include <sagitta/sagitta.h>
-#include <stdarg.h>
 #include <setjmp.h>
+#include <stdarg.h>
 #include <stdio.h>
 
 #include <cmocka.h>
