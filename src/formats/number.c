@@ -2,11 +2,14 @@
 // Decimal to double. Nearly every number in a file has at most 15 digits and a small exponent: then its
 // digits as an integer (below 2⁵³) and the power of ten (up to 10²²) are doubles without error, and one
 // multiplication or division rounds once, so the result is the nearest double (Clinger, "How to Read Floating
-// Point Numbers Accurately", 1990). All others go to strtod, rewritten as an integer and an exponent,
+// Point Numbers Accurately", 1990). Up to 19 digits, as "%.17g" writes them, are rounded by whole-number
+// arithmetic (decimal.h). All others go to strtod, rewritten as an integer and an exponent,
 // "123e-7": no decimal point, so no locale has a say. Digits beyond the 768th cannot decide a rounding except
 // by being not all zero (the longest exact midpoint between doubles has 767), so the rewritten number has a
 // bounded length.
 #include "formats/number.h"
+
+#include "formats/decimal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -121,7 +124,7 @@ const char *sagi_parse_number(const char *begin, const char *end, double *value)
     else if (d.digit_count <= 19 && d.mantissa <= (uint64_t)1 << 53 && d.exponent >= -22 && d.exponent <= 22)
         magnitude = d.exponent < 0 ? (double)d.mantissa / powers[-d.exponent]
                                    : (double)d.mantissa * powers[d.exponent];
-    else
+    else if (d.digit_count > 19 || !sagi_decimal_to_double(d.mantissa, d.exponent, &magnitude))
         magnitude = convert_slowly(&d);
     *value = negative ? -magnitude : magnitude;
     return d.stop;
