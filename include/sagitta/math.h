@@ -101,6 +101,7 @@ SAG_API sag_box3 sag_box3_union(sag_box3 a, sag_box3 b);
 /// The smallest box that holds the box and the point.
 SAG_API sag_box3 sag_box3_extend(sag_box3 box, sag_vec3 point);
 
+/// The identity, a test for it (exact, element by element), a move, and a scaling along the axes.
 SAG_API sag_affine sag_affine_identity(void);
 SAG_API bool sag_affine_is_identity(const sag_affine *a);
 SAG_API sag_affine sag_affine_translate(sag_vec3 offset);

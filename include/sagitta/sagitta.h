@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file sagitta.h
-/// Everything in libsagitta: what does this ray hit? (Pictures and files are in libsagitta-render: render.h, image.h.)
+/// Everything in libsagitta: what does this ray hit? (Pictures and files are in libsagitta-render: render.h,
+/// image.h.)
 #ifndef SAGITTA_H
 #define SAGITTA_H
 

@@ -2,12 +2,12 @@
 /// @file scene.h
 /// Many shapes under one acceleration structure, and what rays ask of them.
 ///
-/// A scene is built (add, set), committed, then queried. A committed scene does not change: any number of threads query it
-/// at once without locks. Changing a geometry needs a new commit, which no query may overlap. Queries cannot fail; those
-/// on a scene that was never committed find nothing.
+/// A scene is built (add, set), committed, then queried. A committed scene does not change: any number of
+/// threads query it at once without locks. Changing a geometry needs a new commit, which no query may
+/// overlap. Queries cannot fail; those on a scene that was never committed find nothing.
 ///
-/// Hits at equal t are ordered by instance path, geometry, primitive, so the answer never depends on the tree, the
-/// instruction set or the number of threads.
+/// Hits at equal t are ordered by instance path, geometry, primitive, so the answer never depends on the
+/// tree, the instruction set or the number of threads.
 #ifndef SAGITTA_SCENE_H
 #define SAGITTA_SCENE_H
 
@@ -24,9 +24,10 @@ SAG_API sag_scene *sag_scene_create(sag_context *context);
 /// Gives the scene up: it goes when no instance in another scene refers to it any more. NULL does nothing.
 SAG_API void sag_scene_destroy(sag_scene *scene);
 
-/// Add a geometry: everything the description points to is copied, so the caller's arrays may go. Returns its id (ids count up
-/// from 0 and are not reused) or SAG_INVALID_ID when the shape is not valid or memory is short; the first such failure is
-/// kept and returned, with its message, by sag_scene_commit, so that the calls here need no checks of their own.
+/// Add a geometry: everything the description points to is copied, so the caller's arrays may go. Returns its
+/// id (ids count up from 0 and are not reused) or SAG_INVALID_ID when the shape is not valid or memory is
+/// short; the first such failure is kept and returned, with its message, by sag_scene_commit, so that the
+/// calls here need no checks of their own.
 SAG_API uint32_t sag_add_plane(sag_scene *scene, const sag_plane *plane);
 SAG_API uint32_t sag_add_disk(sag_scene *scene, const sag_disk *disk);
 SAG_API uint32_t sag_add_rectangle(sag_scene *scene, const sag_rectangle *rectangle);
@@ -50,40 +51,46 @@ SAG_API uint32_t sag_add_spheres(sag_scene *scene, const sag_spheres *spheres);
 SAG_API uint32_t sag_add_mesh(sag_scene *scene, const sag_mesh *mesh);
 SAG_API uint32_t sag_add_user(sag_scene *scene, const sag_user *user);
 
-/// Places a committed scene inside this one: to_parent maps its space to this one's and must be invertible. Instances nest up
-/// to SAG_MAX_INSTANCE_DEPTH deep. The child is kept alive; it must not be changed while the parent is in use.
+/// Places a committed scene inside this one: to_parent maps its space to this one's and must be invertible.
+/// Instances nest up to SAG_MAX_INSTANCE_DEPTH deep. The child is kept alive; it must not be changed while
+/// the parent is in use.
 SAG_API uint32_t sag_add_instance(sag_scene *scene, sag_scene *child, const sag_affine *to_parent);
 
-/// Any kind by its number: `shape` points to the struct that belongs to `kind`. For loaders; not for instances.
+/// Any kind by its number: `shape` points to the struct that belongs to `kind`. For loaders; not for
+/// instances.
 SAG_API uint32_t sag_add_shape(sag_scene *scene, sag_shape_kind kind, const void *shape);
 
 /// Places a geometry: to_scene maps the shape's own space to the scene's. NULL: the identity, the default.
-/// SAG_ERROR_ARGUMENT for an unknown id, SAG_ERROR_GEOMETRY for a singular map. The ray is brought to the shape's space in
-/// double precision; exactness is meant for that ray. (Meshes are moved vertex by vertex at commit instead.)
-SAG_API sag_status sag_geometry_set_transform(sag_scene *scene, uint32_t geometry, const sag_affine *to_scene);
+/// SAG_ERROR_ARGUMENT for an unknown id, SAG_ERROR_GEOMETRY for a singular map. The ray is brought to the
+/// shape's space in double precision; exactness is meant for that ray. (Meshes are moved vertex by vertex at
+/// commit instead.)
+SAG_API sag_status sag_geometry_set_transform(sag_scene *scene, uint32_t geometry,
+                                              const sag_affine *to_scene);
 /// Which kinds of ray see the geometry; 0, the default: all.
 SAG_API sag_status sag_geometry_set_mask(sag_scene *scene, uint32_t geometry, uint32_t mask);
 /// A number of the caller's, handed back in sag_surface; 0 by default.
 SAG_API sag_status sag_geometry_set_user_data(sag_scene *scene, uint32_t geometry, uint64_t user_data);
-/// Turns geometric and shading normal to the side the ray arrives from (`side` still says which it was). Off by default.
+/// Turns geometric and shading normal to the side the ray arrives from (`side` still says which it was). Off
+/// by default.
 SAG_API sag_status sag_geometry_set_face_forward(sag_scene *scene, uint32_t geometry, bool face_forward);
 /// Takes a geometry out of (or back into) the scene without forgetting it. On by default.
 SAG_API sag_status sag_geometry_set_enabled(sag_scene *scene, uint32_t geometry, bool enabled);
 /// Removes a geometry and frees it; its id stays unused.
 SAG_API sag_status sag_geometry_remove(sag_scene *scene, uint32_t geometry);
 
-/// The kind of a geometry and, when shape is not NULL, the scene's own copy of its description (alive until the geometry goes;
-/// for an instance NULL). SAG_ERROR_ARGUMENT for an unknown id.
-SAG_API sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, sag_shape_kind *kind, const void **shape);
+/// The kind of a geometry and, when shape is not NULL, the scene's own copy of its description (alive until
+/// the geometry goes; for an instance NULL). SAG_ERROR_ARGUMENT for an unknown id.
+SAG_API sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, sag_shape_kind *kind,
+                                    const void **shape);
 
-/// Makes the scene ready for queries: validates, builds the acceleration structure on the context's threads. On failure the
-/// error says why (the first failed add included) and the scene answers as it did before.
+/// Makes the scene ready for queries: validates, builds the acceleration structure on the context's threads.
+/// On failure the error says why (the first failed add included) and the scene answers as it did before.
 SAG_API sag_status sag_scene_commit(sag_scene *scene, sag_error *error);
 
 /// Counts and sizes of a committed scene.
 typedef struct sag_scene_stats {
     uint32_t geometry_count;
-    uint64_t primitive_count;  ///< in the tree, dropped ones not counted, instances as one each
+    uint64_t primitive_count; ///< in the tree, dropped ones not counted, instances as one each
     uint64_t dropped_not_finite, dropped_degenerate;
     uint64_t node_count, leaf_count;
     uint32_t depth;           ///< of the tree
@@ -93,23 +100,26 @@ typedef struct sag_scene_stats {
     sag_box3 bounds; ///< of the bounded geometries; empty when there are none
 } sag_scene_stats;
 
+/// Writes the counts of the last commit; all zero before the first.
 SAG_API void sag_scene_get_stats(const sag_scene *scene, sag_scene_stats *stats);
 
-/// The box of everything in the committed scene; infinite when a plane or the like is in it, empty for an empty scene.
+/// The box of everything in the committed scene; infinite when a plane or the like is in it, empty for an
+/// empty scene.
 SAG_API sag_box3 sag_scene_bounds(const sag_scene *scene);
 
 /// The closest hit in [t_min, t_max]. Returns false and leaves *hit alone when there is none.
 SAG_API bool sag_intersect(const sag_scene *scene, const sag_ray *ray, sag_hit *hit);
 /// Whether anything is hit in [t_min, t_max]; sooner than sag_intersect.
 SAG_API bool sag_occluded(const sag_scene *scene, const sag_ray *ray);
-/// Every crossing in [t_min, t_max] in order of t; writes the first `capacity` to hits[] and returns how many there are in all.
-/// hits may be NULL when capacity is 0. Crossings at the same t of different primitives are all reported; an edge or vertex
-/// that triangles of one mesh share is one crossing.
+/// Every crossing in [t_min, t_max] in order of t; writes the first `capacity` to hits[] and returns how many
+/// there are in all. hits may be NULL when capacity is 0. Crossings at the same t of different primitives are
+/// all reported; an edge or vertex that triangles of one mesh share is one crossing.
 SAG_API size_t sag_intersect_all(const sag_scene *scene, const sag_ray *ray, sag_hit *hits, size_t capacity);
 /// How many crossings sag_intersect_all finds, without storing them.
 SAG_API size_t sag_count_crossings(const sag_scene *scene, const sag_ray *ray);
-/// Whether the point is inside the closed geometries: an odd number of crossings on a ray from it to infinity. Points on a
-/// surface may count as either. What is not closed gives no defined answer. Masks are not looked at.
+/// Whether the point is inside the closed geometries: an odd number of crossings on a ray from it to
+/// infinity. Points on a surface may count as either. What is not closed gives no defined answer. Masks are
+/// not looked at.
 SAG_API bool sag_contains(const sag_scene *scene, sag_vec3 point);
 
 /// The nearest point of the scene's surfaces.
@@ -121,28 +131,34 @@ typedef struct sag_closest {
     uint32_t instance_path[SAG_MAX_INSTANCE_DEPTH];
 } sag_closest;
 
-/// The point nearest to `point` on any surface within max_distance (INFINITY: any); false, writing nothing, when there is none.
-/// Speaks of shapes that have a closest_point (shapes.h): the others are passed over. Under an instance or transform that is not
-/// a similarity, meshes and triangles are exact, other shapes are passed over.
-SAG_API bool sag_closest_point(const sag_scene *scene, sag_vec3 point, double max_distance, sag_closest *closest);
+/// The point nearest to `point` on any surface within max_distance (INFINITY: any); false, writing nothing,
+/// when there is none. Speaks of shapes that have a closest_point (shapes.h): the others are passed over.
+/// Under an instance or transform that is not a similarity, meshes and triangles are exact, other shapes are
+/// passed over.
+SAG_API bool sag_closest_point(const sag_scene *scene, sag_vec3 point, double max_distance,
+                               sag_closest *closest);
 
 /// Everything about a hit of this very ray: fills *surface in the scene's space.
-SAG_API void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit, sag_surface *surface);
+SAG_API void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit,
+                            sag_surface *surface);
 
-/// sag_intersect for rays[0 … count) on all the context's threads: writes hits[i], its t = INFINITY and geometry =
-/// SAG_INVALID_ID on a miss. The same bits as single calls.
+/// sag_intersect for rays[0 … count) on all the context's threads: writes hits[i], its t = INFINITY and
+/// geometry = SAG_INVALID_ID on a miss. The same bits as single calls.
 SAG_API void sag_intersect_batch(const sag_scene *scene, const sag_ray *rays, sag_hit *hits, size_t count);
 /// sag_occluded for rays[0 … count) on all the context's threads: writes occluded[i].
 SAG_API void sag_occluded_batch(const sag_scene *scene, const sag_ray *rays, bool *occluded, size_t count);
 
-/// The area of one primitive of a geometry, placed as it is in its scene (transform included); NAN for an unknown id, INFINITY
-/// for an unbounded shape. For lights. Under a transform that is not a similarity: exact for flat shapes, else numerical.
+/// The area of one primitive of a geometry, placed as it is in its scene (transform included); NAN for an
+/// unknown id, INFINITY for an unbounded shape. For lights. Under a transform that is not a similarity: exact
+/// for flat shapes, else numerical.
 SAG_API double sag_geometry_area(const sag_scene *scene, uint32_t geometry, uint32_t primitive);
-/// A point on one primitive, placed as it is in its scene, and its density by area: exactly 1/area for flat shapes and
-/// similarities, else the density the map makes of it. False, writing nothing, when it cannot be sampled.
-SAG_API bool sag_geometry_sample(const sag_scene *scene, uint32_t geometry, uint32_t primitive, sag_vec2 random,
-                                 sag_surface *surface, double *density);
-/// The density sag_geometry_sample has at a point of this geometry known by its surface (for multiple importance sampling).
+/// A point on one primitive, placed as it is in its scene, and its density by area: exactly 1/area for flat
+/// shapes and similarities, else the density the map makes of it. False, writing nothing, when it cannot be
+/// sampled.
+SAG_API bool sag_geometry_sample(const sag_scene *scene, uint32_t geometry, uint32_t primitive,
+                                 sag_vec2 random, sag_surface *surface, double *density);
+/// The density sag_geometry_sample has at a point of this geometry known by its surface (for multiple
+/// importance sampling).
 SAG_API double sag_geometry_density(const sag_scene *scene, uint32_t geometry, uint32_t primitive,
                                     const sag_surface *surface);
 

@@ -140,7 +140,7 @@ void sagi_pool_run(sagi_pool *pool, size_t count, void (*task)(void *argument, s
     if (count > 1) {
         if (!pool->started) start(pool);
         job.link = pool->jobs;
-        pool->jobs = &job;
+        pool->jobs = &job; // cppcheck-suppress autoVariables ; taken off before this function returns
         pthread_cond_broadcast(&pool->work);
     }
     pthread_mutex_unlock(&pool->lock);

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+# A front door to CMake, so that one word does the whole thing on a machine with nothing but git and make. What is missing is
+# installed with apt, as root or through sudo.
+#
+#   make            build build/release/sagitta
+#   make demo       build, render examples/showcase.pbrt to showcase.png
+#   make check      build with warnings as errors (gcc and clang), run every test
+#   make lint       formatting, static analysis, the project's own rules
+#   make bench      measure
+#   make install    to PREFIX (/usr/local), below DESTDIR when that is set
+#   make deps       only install what all of these need
+#   make clean      remove build/
+
+PREFIX ?= /usr/local
+
+all: deps-build
+	cmake --preset release
+	cmake --build --preset release
+
+deps:
+	@scripts/deps.sh build test lint
+deps-build:
+	@scripts/deps.sh build
+deps-test:
+	@scripts/deps.sh build test
+deps-lint:
+	@scripts/deps.sh build test lint
+
+demo: all
+	build/release/sagitta render examples/showcase.pbrt -o showcase.png
+	@echo "Made showcase.png: every shape, from examples/showcase.pbrt."
+
+check: deps-test build/check build/clang
+	cmake --build build/check
+	cmake --build build/clang
+	@scripts/run-tests.sh build/check build/clang
+
+lint: deps-lint build/check build/clang
+	cmake --build build/check
+	@scripts/lint.sh build/check build/clang
+
+bench: deps-build
+	cmake --preset release -DSAGITTA_BENCH=ON
+	cmake --build --preset release
+	@scripts/bench.sh build/release
+
+install: all
+	cmake --install build/release --prefix $(PREFIX)
+
+clean:
+	rm -rf build showcase.png
+
+# Everything, by gcc and by clang, warnings being errors; the tests run in both.
+build/check: FORCE
+	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ >/dev/null
+build/clang: FORCE
+	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ >/dev/null
+FORCE:
+
+.PHONY: all deps deps-build deps-test deps-lint demo check lint bench install clean FORCE
