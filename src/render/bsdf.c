@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// The frame of a scattering point, the choice among materials, and the diffuse one.
+//
+// Two normals meet here. Scattering is computed in the frame of the shading normal; whether light passes
+// through is decided by the geometric one, or light would leak: a direction that the shading normal takes for
+// a reflection but that goes into the solid is dropped, and the other way round. Where the path itself
+// arrives from below the shading normal but above the surface (at the rim of a coarse mesh) the shading
+// normal makes no sense and the geometric one takes its place, so that no black rims appear.
+#include "bsdf.h"
+
+#include "fresnel.h"
+#include "warp.h"
+
+void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, sag_vec3 tangent,
+                         sag_vec3 wo) {
+    double side = sag_dot(wo, geometric);
+    if (!(sag_dot(wo, shading) * side > 0)) shading = geometric;
+    bsdf->geometric = geometric;
+    bsdf->n = shading;
+    bsdf->wo_side = side < 0 ? -1 : 1;
+    if (bsdf->facets.ax != bsdf->facets.ay) {
+        sag_vec3 s = sag_madd(tangent, -sag_dot(tangent, shading), shading);
+        double length = sag_length(s);
+        if (length > 0 && isfinite(length)) {
+            bsdf->s = sag_scale(s, 1 / length);
+            bsdf->t = sag_cross(shading, bsdf->s);
+        } else {
+            sag_frame(shading, &bsdf->s, &bsdf->t);
+        }
+    } else {
+        sag_frame(shading, &bsdf->s, &bsdf->t);
+    }
+    bsdf->wo = sag_vec3_make(sag_dot(wo, bsdf->s), sag_dot(wo, bsdf->t), sag_dot(wo, bsdf->n));
+}
+
+static sag_vec3 to_local(const sagi_bsdf *bsdf, sag_vec3 w) {
+    return sag_vec3_make(sag_dot(w, bsdf->s), sag_dot(w, bsdf->t), sag_dot(w, bsdf->n));
+}
+
+static sag_vec3 to_scene(const sagi_bsdf *bsdf, sag_vec3 w) {
+    return sag_madd(sag_madd(sag_scale(bsdf->s, w.x), w.y, bsdf->t), w.z, bsdf->n);
+}
+
+// Whether both normals agree on wi being reflected or transmitted.
+static bool sides_agree(const sagi_bsdf *bsdf, sag_vec3 wi_scene, bool transmission) {
+    double side = sag_dot(wi_scene, bsdf->geometric) * bsdf->wo_side;
+    return transmission ? side < 0 : side > 0;
+}
+
+sag_rgb sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *pdf) {
+    *pdf = 0;
+    sag_rgb black = {0, 0, 0};
+    if (bsdf->specular) return black;
+    sag_vec3 wi = to_local(bsdf, wi_scene);
+    if (wi.z == 0 || bsdf->wo.z == 0 || !sides_agree(bsdf, wi_scene, wi.z * bsdf->wo.z < 0)) return black;
+    switch (bsdf->kind) {
+    case SAG_MATERIAL_DIFFUSE: return sagi_diffuse_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_CONDUCTOR: return sagi_conductor_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_DIELECTRIC: return sagi_dielectric_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_COATED_DIFFUSE: return sagi_coated_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_THIN_DIELECTRIC:
+    case SAG_MATERIAL_INTERFACE: break;
+    }
+    return black;
+}
+
+static bool diffuse_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *sample) {
+    sag_vec3 wi = sagi_warp_cosine(u);
+    if (!(wi.z > 0)) return false;
+    sample->pdf = wi.z * SAGI_INV_PI;
+    if (bsdf->wo.z < 0) wi.z = -wi.z;
+    sample->wi = wi;
+    sample->weight = bsdf->color;
+    return true;
+}
+
+bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample) {
+    *sample = (sagi_bsdf_sample){.eta = 1};
+    if (bsdf->wo.z == 0) return false;
+    bool found = false;
+    switch (bsdf->kind) {
+    case SAG_MATERIAL_DIFFUSE: found = diffuse_sample(bsdf, u, sample); break;
+    case SAG_MATERIAL_CONDUCTOR: found = sagi_conductor_sample(bsdf, u, sample); break;
+    case SAG_MATERIAL_DIELECTRIC: found = sagi_dielectric_sample(bsdf, choose, u, sample); break;
+    case SAG_MATERIAL_THIN_DIELECTRIC: found = sagi_thin_sample(bsdf, choose, sample); break;
+    case SAG_MATERIAL_COATED_DIFFUSE: found = sagi_coated_sample(bsdf, choose, u, sample); break;
+    case SAG_MATERIAL_INTERFACE: break;
+    }
+    if (!found || sagi_rgb_is_black(sample->weight)) return false;
+    sample->wi = to_scene(bsdf, sample->wi);
+    return sides_agree(bsdf, sample->wi, sample->transmission);
+}
+
+// Lambert: the same radiance in all directions; f = ρ/π.
+sag_rgb sagi_diffuse_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
+    if (!(wi.z * bsdf->wo.z > 0)) return (sag_rgb){0, 0, 0};
+    *pdf = fabs(wi.z) * SAGI_INV_PI;
+    return sagi_rgb_scale(bsdf->color, *pdf);
+}
+
+sag_rgb sagi_bsdf_albedo(const sagi_bsdf *bsdf) {
+    switch (bsdf->kind) {
+    case SAG_MATERIAL_DIFFUSE:
+    case SAG_MATERIAL_COATED_DIFFUSE: return bsdf->color;
+    case SAG_MATERIAL_CONDUCTOR: return sagi_fresnel_conductor_rgb(1, bsdf->eta, bsdf->k);
+    case SAG_MATERIAL_DIELECTRIC:
+    case SAG_MATERIAL_THIN_DIELECTRIC:
+    case SAG_MATERIAL_INTERFACE: break;
+    }
+    return sagi_rgb_grey(1);
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What a surface does to light at one point: a material with its textures read, in the point's frame.
+// Directions point away from the surface; wo is where the light goes (back along the path), wi where it comes
+// from.
+#ifndef SAGI_RENDER_BSDF_H
+#define SAGI_RENDER_BSDF_H
+
+#include "microfacet.h"
+
+typedef struct sagi_bsdf {
+    sag_material_kind kind;
+    bool specular;      // all that it scatters goes to single directions: eval is black, only sample finds it
+    sag_vec3 s, t, n;   // shading frame; n on the front
+    sag_vec3 geometric; // unit geometric normal, on the front
+    sag_vec3 wo;        // in the shading frame
+    double wo_side;     // the sign of wo on the geometric normal
+    sag_rgb color;      // reflectance
+    sag_rgb eta, k;     // of a metal
+    double ior;         // of glass and coats
+    double inner_mean;  // of coats: sagi_fresnel_inner_mean(ior)
+    sagi_microfacet facets;
+} sagi_bsdf;
+
+typedef struct sagi_bsdf_sample {
+    sag_vec3 wi;    // in the scene's space
+    sag_rgb weight; // f |cos θ|/pdf
+    double pdf;     // per solid angle of all lobes together; of no meaning when specular
+    bool specular;  // a single direction
+    bool transmission;
+    double eta; // of a transmission: the ratio of indices as the path crosses, else 1
+} sagi_bsdf_sample;
+
+// Sets the frame and what belongs to it. `tangent` gives the direction of the frame's s where that matters.
+void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, sag_vec3 tangent,
+                         sag_vec3 wo);
+// f(wo, wi) |cos θi| and the density with which sample would find wi; black and 0 for specular ones.
+sag_rgb sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+// Draws wi. False when the light ends here.
+bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
+// What the albedo integrator shows.
+sag_rgb sagi_bsdf_albedo(const sagi_bsdf *bsdf);
+
+// The lobes, in the shading frame; used by bsdf.c. Each is as the functions above, wo and wi being local.
+sag_rgb sagi_diffuse_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+sag_rgb sagi_conductor_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+bool sagi_conductor_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *sample);
+sag_rgb sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+bool sagi_dielectric_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
+bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sample);
+sag_rgb sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
+
+#endif

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Plastic: a Lambertian base ρ under a clear coat of index η. Light that the coat lets in (1 − F(θi)) spreads
+// in the base and bounces below the coat, whose inner side returns the share r of diffuse light each time,
+// until it gets out at 1 − F(θo):
+//     f = (1 − F(θi)) (1 − F(θo)) ρ/(π η² (1 − ρ r)),   r = 1 − (1 − mean F)/η²
+// (1/η² because radiance inside is compressed). Integrated over wi this is (1 − F(θo)) ρ (1 − r)/(1 − ρ r):
+// with the coat's own F(θo) exactly 1 for ρ = 1, so nothing is lost or made. This is the limit of pbrt's
+// layered random walk for a smooth coat of no thickness. A rough coat replaces the mirror by facets and keeps
+// the rest.
+#include "bsdf.h"
+#include "fresnel.h"
+#include "warp.h"
+
+// The diffuse part's share for each colour, F's excluded, and the probability of sampling the coat.
+static sag_rgb base_albedo(const sagi_bsdf *bsdf) {
+    double r = bsdf->inner_mean;
+    sag_rgb c = bsdf->color;
+    return sagi_rgb(c.r * (1 - r) / (1 - c.r * r), c.g * (1 - r) / (1 - c.g * r),
+                    c.b * (1 - r) / (1 - c.b * r));
+}
+
+static double coat_probability(double reflectance, sag_rgb base) {
+    double base_share = (1 - reflectance) * sagi_rgb_max(base);
+    // In proportion to what each gives back, but the coat, which may show a bright light, never seldom.
+    return sagi_clamp(reflectance / (reflectance + base_share), 0.1, 1);
+}
+
+// The coat is the same from both sides: both directions are turned up.
+static sag_vec3 upward(const sagi_bsdf *bsdf, sag_vec3 w) { return bsdf->wo.z < 0 ? sag_neg(w) : w; }
+
+static sag_rgb eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi, double *pdf) {
+    sag_rgb base = base_albedo(bsdf);
+    double out = sagi_fresnel_dielectric(wo.z, bsdf->ior), in = sagi_fresnel_dielectric(wi.z, bsdf->ior);
+    double coat = coat_probability(out, base);
+    // 1/η² = (1 − r)/(1 − mean F), and base_albedo holds the 1 − r.
+    double mean_out = (1 - bsdf->inner_mean) * bsdf->ior * bsdf->ior;
+    sag_rgb value = sagi_rgb_scale(base, (1 - out) * (1 - in) / mean_out * wi.z * SAGI_INV_PI);
+    *pdf = (1 - coat) * wi.z * SAGI_INV_PI;
+    if (!(bsdf->facets.ax > 0)) return value;
+    sag_vec3 m = sag_normalize(sag_add(wo, wi));
+    double cos_m = sag_dot(wo, m);
+    double facets = sagi_microfacet_d(bsdf->facets, m) * sagi_microfacet_g(bsdf->facets, wo, wi) / (4 * wo.z);
+    *pdf += coat * sagi_microfacet_pdf(bsdf->facets, wo, m) / (4 * cos_m);
+    return sagi_rgb_add(value, sagi_rgb_grey(facets * sagi_fresnel_dielectric(cos_m, bsdf->ior)));
+}
+
+sag_rgb sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
+    if (!(wi.z * bsdf->wo.z > 0)) return (sag_rgb){0, 0, 0};
+    return eval_upward(bsdf, upward(bsdf, bsdf->wo), upward(bsdf, wi), pdf);
+}
+
+bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample) {
+    sag_vec3 wo = upward(bsdf, bsdf->wo), wi;
+    double reflectance = sagi_fresnel_dielectric(wo.z, bsdf->ior);
+    double coat = coat_probability(reflectance, base_albedo(bsdf));
+    if (choose < coat) {
+        if (!(bsdf->facets.ax > 0)) {
+            sample->wi = upward(bsdf, sag_vec3_make(-wo.x, -wo.y, wo.z));
+            sample->weight = sagi_rgb_grey(reflectance / coat);
+            sample->specular = true;
+            return true;
+        }
+        sag_vec3 m = sagi_microfacet_sample(bsdf->facets, wo, u);
+        wi = sag_madd(sag_neg(wo), 2 * sag_dot(wo, m), m);
+    } else {
+        wi = sagi_warp_cosine(u);
+    }
+    if (!(wi.z > 0)) return false;
+    sag_rgb value = eval_upward(bsdf, wo, wi, &sample->pdf);
+    if (!(sample->pdf > 0)) return false;
+    sample->weight = sagi_rgb_scale(value, 1 / sample->pdf);
+    sample->wi = upward(bsdf, wi);
+    return true;
+}

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// The render job: tiles of pixels, sampled in passes that double in length, on all threads.
+//
+// A tile is the unit of work and of resumption: it notes how many samples each of its pixels has, and takes
+// the next ones up to the pass's end. A cancelled pass leaves some tiles behind; the next run brings them up
+// first. A pixel's samples are summed in order by one thread at a time, and each is a pure function of (seed,
+// pixel, index): the sums do not depend on threads, cancellations or resumptions.
+#include "job.h"
+
+#include <string.h>
+#include <time.h>
+
+#define REPORT_SECONDS 0.1
+#define LONGEST_PASS   32u // samples per pixel
+
+static double clock_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+// Whether rays may have to pass some surface; see sagi_trace.
+static bool sees_through(const sag_world *world) {
+    const sagi_appearance *appearances = world->appearances.items;
+    const sagi_material *materials = world->materials.items;
+    for (size_t i = 0; i < world->appearances.count; i++)
+        if (appearances[i].look.alpha.texture != 0) return true;
+    for (size_t i = 0; i < world->materials.count; i++)
+        if (materials[i].material.kind == SAG_MATERIAL_INTERFACE) return true;
+    return false;
+}
+
+static sag_status prepare(sag_render *render, sag_error *error) {
+    sag_world *world = render->world;
+    double start = clock_seconds();
+    sag_status status = sag_scene_commit(world->scene, error);
+    if (status != SAG_OK) return status;
+    render->scene = world->scene;
+    render->see_through = sees_through(world);
+    status = sagi_lights_init(&render->lights, world, error);
+    if (status != SAG_OK) return status;
+    render->build_seconds = clock_seconds() - start;
+
+    const sag_film *film = &render->settings.film;
+    status = sagi_camera_init(&render->camera, &render->settings.camera, film->width, film->height, error);
+    if (status == SAG_OK) status = sagi_filter_init(&render->filter, film, error);
+    if (status != SAG_OK) return status;
+    if (render->settings.samples_per_pixel == 0)
+        return sag_error_set(error, SAG_ERROR_ARGUMENT, "samples_per_pixel is 0");
+    sagi_sampler_init(&render->sampler, render->settings.sampler, render->settings.seed,
+                      render->settings.samples_per_pixel);
+    render->width = film->width;
+    render->height = film->height;
+    render->tiles_x = (film->width + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
+    render->tiles_y = (film->height + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
+    size_t pixel_bytes = (size_t)render->width * render->height * sizeof *render->pixels;
+    size_t tile_bytes = (size_t)render->tiles_x * render->tiles_y * sizeof *render->tile_done;
+    render->pixels = sag_allocate(render->context, pixel_bytes);
+    render->tile_done = sag_allocate(render->context, tile_bytes);
+    if (!render->pixels || !render->tile_done) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
+    memset(render->pixels, 0, pixel_bytes);
+    memset(render->tile_done, 0, tile_bytes);
+    return SAG_OK;
+}
+
+sag_render *sag_render_create(sag_world *world, sag_error *error) {
+    sag_context *context = world->context;
+    sag_render *render = sag_allocate(context, sizeof *render);
+    if (!render) {
+        sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
+        return NULL;
+    }
+    memset(render, 0, sizeof *render);
+    render->world = world;
+    render->context = context;
+    render->settings = world->settings;
+    atomic_init(&render->rays, 0);
+    atomic_init(&render->camera_samples, 0);
+    atomic_init(&render->bad_samples, 0);
+    atomic_init(&render->cancelled, false);
+    atomic_flag_clear(&render->reporting);
+    if (prepare(render, error) != SAG_OK) {
+        sag_render_destroy(render);
+        return NULL;
+    }
+    return render;
+}
+
+void sag_render_destroy(sag_render *render) {
+    if (!render) return;
+    sagi_lights_clear(&render->lights);
+    size_t pixel_count = (size_t)render->width * render->height;
+    sag_release(render->context, render->pixels, pixel_count * sizeof *render->pixels);
+    size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
+    sag_release(render->context, render->tile_done, tile_count * sizeof *render->tile_done);
+    sag_release(render->context, render, sizeof *render);
+}
+
+static sag_rgb take_sample(sagi_tracer *tracer, uint32_t x, uint32_t y) {
+    const sag_render *render = tracer->render;
+    sag_vec2 offset = sagi_filter_sample(&render->filter, sagi_sampler_2d(&tracer->sampler));
+    sag_vec2 lens = {0, 0};
+    if (sagi_camera_has_lens(&render->camera)) lens = sagi_sampler_2d(&tracer->sampler);
+    sag_ray ray = sagi_camera_ray(&render->camera, x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
+    ray.mask = SAG_RAY_CAMERA;
+    switch (render->settings.integrator) {
+    case SAG_INTEGRATOR_PATH:
+    case SAG_INTEGRATOR_DIRECT: return sagi_path_radiance(tracer, ray);
+    case SAG_INTEGRATOR_AO:
+    case SAG_INTEGRATOR_NORMAL:
+    case SAG_INTEGRATOR_UV:
+    case SAG_INTEGRATOR_DEPTH:
+    case SAG_INTEGRATOR_ID:
+    case SAG_INTEGRATOR_ALBEDO: break;
+    }
+    return sagi_shown_value(tracer, ray);
+}
+
+// Samples [first, end) of one pixel. Returns how many were not finite.
+static uint32_t sample_pixel(sagi_tracer *tracer, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
+                             uint32_t end) {
+    uint32_t bad = 0;
+    sagi_sampler_start_pixel(&tracer->sampler, x, y);
+    for (uint32_t i = first; i < end; i++) {
+        sagi_sampler_start_sample(&tracer->sampler, i);
+        sag_rgb value = take_sample(tracer, x, y);
+        if (!sagi_rgb_is_finite(value)) {
+            bad++;
+            continue;
+        }
+        pixel->r += value.r, pixel->g += value.g, pixel->b += value.b;
+        pixel->count++;
+    }
+    return bad;
+}
+
+static void report(sag_render *render) {
+    if (!render->progress || atomic_flag_test_and_set(&render->reporting)) return;
+    double now = clock_seconds();
+    if (now >= render->next_report) {
+        render->next_report = now + REPORT_SECONDS;
+        sag_progress progress = {.samples_done = atomic_load(&render->camera_samples),
+                                 .samples_total = (uint64_t)render->width * render->height *
+                                                  render->settings.samples_per_pixel,
+                                 .seconds = render->trace_seconds + (now - render->run_start)};
+        if (!render->progress(render->progress_user, &progress)) atomic_store(&render->cancelled, true);
+    }
+    atomic_flag_clear(&render->reporting);
+}
+
+static void run_tile(void *argument, size_t index) {
+    sag_render *render = argument;
+    if (atomic_load(&render->cancelled)) return;
+    uint32_t first = render->tile_done[index], end = render->pass_end;
+    if (first >= end) return;
+    uint32_t x0 = (uint32_t)(index % render->tiles_x) * SAGI_TILE_SIZE;
+    uint32_t y0 = (uint32_t)(index / render->tiles_x) * SAGI_TILE_SIZE;
+    uint32_t x1 = x0 + SAGI_TILE_SIZE < render->width ? x0 + SAGI_TILE_SIZE : render->width;
+    uint32_t y1 = y0 + SAGI_TILE_SIZE < render->height ? y0 + SAGI_TILE_SIZE : render->height;
+    sagi_tracer tracer = {.render = render, .sampler = render->sampler, .rays = 0};
+    uint64_t bad = 0;
+    for (uint32_t y = y0; y < y1; y++)
+        for (uint32_t x = x0; x < x1; x++)
+            bad += sample_pixel(&tracer, &render->pixels[(size_t)y * render->width + x], x, y, first, end);
+    render->tile_done[index] = end;
+    atomic_fetch_add(&render->rays, tracer.rays);
+    atomic_fetch_add(&render->bad_samples, bad);
+    atomic_fetch_add(&render->camera_samples, (uint64_t)(x1 - x0) * (y1 - y0) * (end - first));
+    report(render);
+}
+
+sag_status sag_render_run(sag_render *render, sag_progress_callback progress, void *user, sag_error *error) {
+    render->progress = progress;
+    render->progress_user = user;
+    render->run_start = clock_seconds();
+    render->next_report = render->run_start;
+    atomic_store(&render->cancelled, false);
+    size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
+    uint32_t done = UINT32_MAX;
+    for (size_t i = 0; i < tile_count; i++)
+        if (render->tile_done[i] < done) done = render->tile_done[i];
+    uint32_t total = render->settings.samples_per_pixel;
+    while (done < total && !atomic_load(&render->cancelled)) {
+        uint32_t step = done == 0 ? 1 : done < LONGEST_PASS ? done : LONGEST_PASS;
+        render->pass_end = total - done > step ? done + step : total;
+        sag_parallel_for(render->context, tile_count, run_tile, render);
+        done = render->pass_end;
+    }
+    if (!atomic_load(&render->cancelled)) {
+        render->next_report = 0;
+        report(render); // the last one says all is done
+    }
+    render->trace_seconds += clock_seconds() - render->run_start;
+    // Asked to stop with the last tile done already is no cancellation.
+    for (size_t i = 0; i < tile_count; i++)
+        if (render->tile_done[i] < total)
+            return sag_error_set(error, SAG_ERROR_CANCELLED, "the render was cancelled");
+    return SAG_OK;
+}
+
+sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_error *error) {
+    sag_image made;
+    sag_status status = sag_image_create(render->context, render->width, render->height, 3, &made, error);
+    if (status != SAG_OK) return status;
+    size_t count = (size_t)render->width * render->height;
+    for (size_t i = 0; i < count; i++) {
+        const sagi_pixel *pixel = &render->pixels[i];
+        double scale = pixel->count ? 1.0 / pixel->count : 0;
+        made.pixels[3 * i] = (float)(pixel->r * scale);
+        made.pixels[3 * i + 1] = (float)(pixel->g * scale);
+        made.pixels[3 * i + 2] = (float)(pixel->b * scale);
+    }
+    *image = made;
+    return SAG_OK;
+}
+
+void sag_render_get_stats(const sag_render *render, sag_render_stats *stats) {
+    *stats = (sag_render_stats){.rays = atomic_load(&render->rays),
+                                .camera_samples = atomic_load(&render->camera_samples),
+                                .bad_samples = atomic_load(&render->bad_samples),
+                                .build_seconds = render->build_seconds,
+                                .trace_seconds = render->trace_seconds};
+}

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Independent, stratified and Sobol' samples, all without state.
+//
+// Independent. sagi_mix is a bijection whose outputs for consecutive counters pass the usual batteries
+// (SplitMix64's finaliser with Stafford's constants). The counter is (sample, dimension) times an odd
+// constant plus the pixel's key, so within a pixel no two counters meet.
+//
+// Stratified. In dimension d the strata are visited in the order of a permutation of [0, count) named by
+// (pixel, d): Kensler's hash ("Correlated Multi-Jittered Sampling", 2013) is a bijection of the next power of
+// two, walked until it lands in range. Nothing is stored.
+//
+// Sobol'. A pair of dimensions uses the first two Sobol' dimensions, a (0, 2)-sequence: every 2ᵏ points
+// starting at a multiple of 2ᵏ lie one in each of the 2ᵏ boxes 2⁻ᵃ × 2⁻ᵇ, a + b = k. Owen's scrambling flips
+// each bit by a hash of the bits above it, which keeps this property and makes the points random; Laine and
+// Karras' hash does all 32 bits at once on the reversed number (Burley, JCGT 9(4), 2020; constants by
+// Vegdahl). Each pair also shuffles the points' order, by the same kind of scramble of the index, so that
+// pairs are unrelated. The scramble acts on an index's low bits independently of its high bits: so only the
+// bits that count − 1 has need be kept.
+#include "sampler.h"
+
+uint64_t sagi_mix(uint64_t x) {
+    x ^= x >> 30;
+    x *= UINT64_C(0xBF58476D1CE4E5B9);
+    x ^= x >> 27;
+    x *= UINT64_C(0x94D049BB133111EB);
+    return x ^ (x >> 31);
+}
+
+uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed) {
+    uint32_t mask = count - 1;
+    mask |= mask >> 1, mask |= mask >> 2, mask |= mask >> 4, mask |= mask >> 8, mask |= mask >> 16;
+    do {
+        index ^= seed;
+        index *= 0xE170893Du;
+        index ^= seed >> 16;
+        index ^= (index & mask) >> 4;
+        index ^= seed >> 8;
+        index *= 0x0929EB3Fu;
+        index ^= seed >> 23;
+        index ^= (index & mask) >> 1;
+        index *= 1 | seed >> 27;
+        index *= 0x6935FA69u;
+        index ^= (index & mask) >> 11;
+        index *= 0x74DCB303u;
+        index ^= (index & mask) >> 2;
+        index *= 0x9E501CC3u;
+        index ^= (index & mask) >> 2;
+        index *= 0xC860A3DFu;
+        index &= mask;
+        index ^= index >> 5;
+    } while (index >= count);
+    return (uint32_t)(((uint64_t)index + seed) % count);
+}
+
+static uint32_t reverse_bits(uint32_t x) {
+    x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
+    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
+    return x << 16 | x >> 16;
+}
+
+// Owen's scramble of a number whose bits stand in reverse: each bit changes by the bits below it only.
+static uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
+    x ^= x * 0x3D20ADEAu;
+    x += seed;
+    x *= seed >> 16 | 1;
+    x ^= x * 0x05526C56u;
+    x ^= x * 0x53A22864u;
+    return x;
+}
+
+// The second Sobol' dimension; its direction numbers are 2³¹ and each from the one before by x ^ x/2.
+static uint32_t sobol_second(uint32_t index) {
+    uint32_t result = 0;
+    for (uint32_t direction = 0x80000000u; index; index >>= 1, direction ^= direction >> 1)
+        if (index & 1) result ^= direction;
+    return result;
+}
+
+void sagi_sampler_init(sagi_sampler *sampler, sag_sampler_kind kind, uint64_t seed, uint32_t count) {
+    *sampler = (sagi_sampler){.kind = kind, .count = count, .seed = sagi_mix(seed + 1), .x_count = 1};
+    // The most nearly square grid of strata.
+    for (uint32_t x = 1; (uint64_t)x * x <= count; x++)
+        if (count % x == 0) sampler->x_count = x;
+    sampler->y_count = count / sampler->x_count;
+    uint32_t mask = count - 1;
+    mask |= mask >> 1, mask |= mask >> 2, mask |= mask >> 4, mask |= mask >> 8, mask |= mask >> 16;
+    sampler->index_mask = mask;
+}
+
+void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
+    sampler->key = sagi_mix(sampler->seed ^ sagi_mix((uint64_t)y << 32 | x));
+}
+
+void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample) {
+    sampler->sample = sample;
+    sampler->dimension = 0;
+}
+
+// 64 random bits for this pixel, sample and dimension.
+static uint64_t bits(const sagi_sampler *sampler) {
+    uint64_t counter = (uint64_t)sampler->sample << 32 | sampler->dimension;
+    return sagi_mix(sampler->key + counter * UINT64_C(0x9E3779B97F4A7C15));
+}
+
+// 64 bits for this pixel and dimension, the same for all its samples.
+static uint64_t dimension_bits(const sagi_sampler *sampler) {
+    return sagi_mix(sampler->key ^ (sampler->dimension + UINT64_C(1)) * UINT64_C(0xD1342543DE82EF95));
+}
+
+double sagi_sampler_1d(sagi_sampler *sampler) {
+    double result = 0;
+    switch (sampler->kind) {
+    case SAG_SAMPLER_INDEPENDENT: result = (double)(bits(sampler) >> 11) * 0x1p-53; break;
+    case SAG_SAMPLER_STRATIFIED: {
+        uint32_t stratum = sagi_permute(sampler->sample, sampler->count, (uint32_t)dimension_bits(sampler));
+        result = (stratum + (double)(bits(sampler) >> 32) * 0x1p-32) / sampler->count;
+        break;
+    }
+    case SAG_SAMPLER_SOBOL: {
+        uint64_t seeds = dimension_bits(sampler);
+        uint32_t index = reverse_bits(scramble_reversed(reverse_bits(sampler->sample), (uint32_t)seeds));
+        // The first Sobol' dimension is the reversed index; its scramble wants the reverse of that.
+        result =
+            reverse_bits(scramble_reversed(index & sampler->index_mask, (uint32_t)(seeds >> 32))) * 0x1p-32;
+        break;
+    }
+    }
+    sampler->dimension++;
+    return result;
+}
+
+sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
+    sag_vec2 result = {0, 0};
+    uint64_t random = 0;
+    switch (sampler->kind) {
+    case SAG_SAMPLER_INDEPENDENT:
+        random = bits(sampler);
+        result.x = (double)(random >> 32) * 0x1p-32;
+        result.y = (double)(random & 0xFFFFFFFFu) * 0x1p-32;
+        break;
+    case SAG_SAMPLER_STRATIFIED: {
+        random = bits(sampler);
+        uint32_t stratum = sagi_permute(sampler->sample, sampler->count, (uint32_t)dimension_bits(sampler));
+        uint32_t x = stratum % sampler->x_count, y = stratum / sampler->x_count;
+        result.x = (x + (double)(random >> 32) * 0x1p-32) / sampler->x_count;
+        result.y = (y + (double)(random & 0xFFFFFFFFu) * 0x1p-32) / sampler->y_count;
+        break;
+    }
+    case SAG_SAMPLER_SOBOL: {
+        uint64_t seeds = dimension_bits(sampler);
+        uint64_t more = sagi_mix(seeds);
+        uint32_t index = reverse_bits(scramble_reversed(reverse_bits(sampler->sample), (uint32_t)more));
+        index &= sampler->index_mask;
+        result.x = reverse_bits(scramble_reversed(index, (uint32_t)seeds)) * 0x1p-32;
+        result.y =
+            reverse_bits(scramble_reversed(reverse_bits(sobol_second(index)), (uint32_t)(seeds >> 32))) *
+            0x1p-32;
+        break;
+    }
+    }
+    sampler->dimension++;
+    return result;
+}

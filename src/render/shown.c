@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The integrators that show what a ray meets instead of the light it carries.
+#include "job.h"
+#include "warp.h"
+
+static sag_rgb ambient_occlusion(sagi_tracer *tracer, const sag_surface *surface, const sagi_bsdf *bsdf) {
+    sag_vec3 local = sagi_warp_cosine(sagi_sampler_2d(&tracer->sampler));
+    sag_vec3 n = bsdf->wo.z < 0 ? sag_neg(bsdf->n) : bsdf->n, s, t;
+    sag_frame(n, &s, &t);
+    sagi_light_sample sample = {.target = SAGI_TARGET_FAR};
+    sample.wi = sag_madd(sag_madd(sag_scale(s, local.x), local.y, t), local.z, n);
+    // Below the true surface (the shading normal leans over): not visible.
+    if (!(sag_dot(sample.wi, bsdf->geometric) * bsdf->wo_side > 0)) return sagi_rgb_grey(0);
+    return sagi_rgb_grey(sagi_visible(tracer, surface, &sample) ? 1 : 0);
+}
+
+static sag_rgb normal_color(const sagi_bsdf *bsdf) {
+    sag_vec3 n = bsdf->wo.z < 0 ? sag_neg(bsdf->n) : bsdf->n;
+    return sagi_rgb((n.x + 1) / 2, (n.y + 1) / 2, (n.z + 1) / 2);
+}
+
+// A bright colour of the ids: hues spread by the hash.
+static sag_rgb id_color(const sag_hit *hit) {
+    uint64_t h = sagi_mix(hit->geometry + UINT64_C(1));
+    for (uint32_t i = 0; i < hit->instance_depth; i++)
+        h = sagi_mix(h ^ sagi_mix(hit->instance_path[i] + UINT64_C(1)));
+    double hue = (double)(h >> 40) * 0x1p-24 * 6, value = 0.5 + 0.5 * (double)(h & 0xFF) / 255;
+    sag_rgb c = sagi_rgb(fabs(hue - 3) - 1, 2 - fabs(hue - 2), 2 - fabs(hue - 4));
+    return sagi_rgb_scale(sagi_rgb_add(sagi_rgb_scale(sagi_rgb_clamp(c), 0.8), sagi_rgb_grey(0.2)), value);
+}
+
+sag_rgb sagi_shown_value(sagi_tracer *tracer, sag_ray ray) {
+    sag_hit hit;
+    sag_surface surface;
+    sagi_bsdf bsdf;
+    const sagi_appearance *appearance;
+    double distance;
+    if (!sagi_trace(tracer, ray, &hit, &surface, &appearance, &bsdf, &distance)) return sagi_rgb_grey(0);
+    switch (tracer->render->settings.integrator) {
+    case SAG_INTEGRATOR_AO: return ambient_occlusion(tracer, &surface, &bsdf);
+    case SAG_INTEGRATOR_NORMAL: return normal_color(&bsdf);
+    case SAG_INTEGRATOR_UV: return sagi_rgb(surface.u - floor(surface.u), surface.v - floor(surface.v), 0);
+    case SAG_INTEGRATOR_DEPTH: return sagi_rgb_grey(distance);
+    case SAG_INTEGRATOR_ID: return id_color(&hit);
+    case SAG_INTEGRATOR_ALBEDO: return sagi_bsdf_albedo(&bsdf);
+    case SAG_INTEGRATOR_PATH:
+    case SAG_INTEGRATOR_DIRECT: break;
+    }
+    return sagi_rgb_grey(0);
+}

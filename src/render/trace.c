@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// Rays that pass what is not there: surfaces whose alpha is 0, and interfaces. A ray goes on from such a
+// surface as any spawned ray does, so nothing is skipped and nothing is met twice. Scenes without them take
+// the short way.
+#include "job.h"
+
+// How many surfaces a ray passes before it is given up: a bound, not a setting.
+#define MAX_PASSED 10000
+
+static bool is_there(const sag_world *world, const sagi_appearance *appearance, const sag_surface *surface) {
+    if (!appearance) return true;
+    const sag_input *alpha = &appearance->look.alpha;
+    if (alpha->texture != 0 && !(sagi_input_evaluate(world, alpha, surface).r > 0)) return false;
+    uint32_t id = appearance->look.material;
+    if (id == 0) return true;
+    const sagi_material *material = (const sagi_material *)world->materials.items + (id - 1);
+    return material->material.kind != SAG_MATERIAL_INTERFACE;
+}
+
+bool sagi_trace(sagi_tracer *tracer, sag_ray ray, sag_hit *hit, sag_surface *surface,
+                const sagi_appearance **appearance, sagi_bsdf *bsdf, double *distance) {
+    const sag_render *render = tracer->render;
+    *distance = 0;
+    for (int passed = 0; passed < MAX_PASSED; passed++) {
+        tracer->rays++;
+        if (!sag_intersect(render->scene, &ray, hit)) return false;
+        sag_surface_at(render->scene, &ray, hit, surface);
+        *distance += hit->t;
+        *appearance = sagi_appearance_of(render->world, surface);
+        if (!render->see_through || is_there(render->world, *appearance, surface)) {
+            sagi_orient(*appearance, surface);
+            if (bsdf)
+                sagi_material_evaluate(render->world, *appearance, surface, sag_neg(ray.direction), bsdf);
+            return true;
+        }
+        uint32_t mask = ray.mask;
+        ray = sag_spawn_ray(surface, ray.direction);
+        ray.mask = mask;
+    }
+    return false;
+}
+
+static sag_ray shadow_ray(const sag_surface *from, const sagi_light_sample *sample) {
+    sag_ray ray = {0};
+    switch (sample->target) {
+    case SAGI_TARGET_FAR: ray = sag_spawn_ray(from, sample->wi); break;
+    case SAGI_TARGET_POINT: ray = sag_spawn_ray_to_point(from, sample->point); break;
+    case SAGI_TARGET_SURFACE: ray = sag_spawn_ray_to_surface(from, &sample->surface); break;
+    }
+    ray.mask = SAG_RAY_SHADOW;
+    return ray;
+}
+
+bool sagi_visible(sagi_tracer *tracer, const sag_surface *from, const sagi_light_sample *sample) {
+    const sag_render *render = tracer->render;
+    sag_ray ray = shadow_ray(from, sample);
+    if (!render->see_through) {
+        tracer->rays++;
+        return !sag_occluded(render->scene, &ray);
+    }
+    sag_hit hit;
+    sag_surface surface;
+    for (int passed = 0; passed < MAX_PASSED; passed++) {
+        tracer->rays++;
+        if (!sag_intersect(render->scene, &ray, &hit)) return true;
+        sag_surface_at(render->scene, &ray, &hit, &surface);
+        if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface)) return false;
+        ray = shadow_ray(&surface, sample);
+    }
+    return false;
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Warps of the unit square. All keep areas in proportion, so that well spread numbers make well spread
+// points.
+#include "warp.h"
+
+sag_vec2 sagi_warp_disk(sag_vec2 u) {
+    double a = 2 * u.x - 1, b = 2 * u.y - 1;
+    if (a == 0 && b == 0) return (sag_vec2){0, 0};
+    double radius, angle;
+    if (fabs(a) > fabs(b)) {
+        radius = a;
+        angle = SAGI_RENDER_PI / 4 * (b / a);
+    } else {
+        radius = b;
+        angle = SAGI_RENDER_PI / 2 - SAGI_RENDER_PI / 4 * (a / b);
+    }
+    return (sag_vec2){radius * cos(angle), radius * sin(angle)};
+}
+
+sag_vec3 sagi_warp_cosine(sag_vec2 u) {
+    sag_vec2 d = sagi_warp_disk(u);
+    return sag_vec3_make(d.x, d.y, sqrt(fmax(0, 1 - d.x * d.x - d.y * d.y)));
+}
+
+sag_vec3 sagi_warp_sphere(sag_vec2 u) {
+    double z = 1 - 2 * u.x, r = sqrt(fmax(0, 1 - z * z)), phi = 2 * SAGI_RENDER_PI * u.y;
+    return sag_vec3_make(r * cos(phi), r * sin(phi), z);
+}
+
+double sagi_warp_tent(double u, double radius) {
+    // Each half's distribution function is a parabola: 1 − (1 − |x|)².
+    return u < 0.5 ? radius * (sqrt(2 * u) - 1) : radius * (1 - sqrt(2 * (1 - u)));
+}
+
+// The square's inner diamond |a| + |b| ≤ 1 (a, b in [−1, 1]) is the upper half sphere, the four corners
+// folded out the lower one. r = 1 − |1 − |a| − |b|| is the distance from the centre or from the corners;
+// within a quadrant the angle runs with (b − a)/r, and z = 1 − r² keeps areas in proportion.
+sag_vec3 sagi_equal_area_to_sphere(sag_vec2 p) {
+    double a = 2 * p.x - 1, b = 2 * p.y - 1;
+    double from_fold = 1 - (fabs(a) + fabs(b));
+    double r = 1 - fabs(from_fold);
+    double phi = (r == 0 ? 1 : (fabs(b) - fabs(a)) / r + 1) * SAGI_RENDER_PI / 4;
+    double z = copysign(1 - r * r, from_fold);
+    double s = r * sqrt(fmax(0, 2 - r * r));
+    return sag_vec3_make(copysign(cos(phi), a) * s, copysign(sin(phi), b) * s, z);
+}
+
+sag_vec2 sagi_equal_area_from_sphere(sag_vec3 d) {
+    double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
+    double r = sqrt(fmax(0, 1 - z));
+    double phi = x == 0 && y == 0 ? 0 : atan2(y, x) * (2 / SAGI_RENDER_PI); // in [0, 1]
+    double b = phi * r, a = r - b;
+    if (d.z < 0) {
+        double swap = a;
+        a = 1 - b;
+        b = 1 - swap;
+    }
+    a = copysign(a, d.x), b = copysign(b, d.y);
+    return (sag_vec2){(a + 1) / 2, (b + 1) / 2};
+}

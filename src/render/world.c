@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// The world: a scene and what belongs to a picture of it, in growing arrays. Nothing here is in the way of a
+// ray; src/render/render.c prepares what is.
+#include "world.h"
+
+#include "fresnel.h"
+
+#include <string.h>
+
+void *sagi_list_grow(const sag_context *context, sagi_list *list, size_t item_bytes) {
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity ? list->capacity * 2 : 16;
+        if (capacity > SIZE_MAX / item_bytes) return NULL;
+        void *items = sag_allocate(context, capacity * item_bytes);
+        if (!items) return NULL;
+        if (list->count) memcpy(items, list->items, list->count * item_bytes);
+        sag_release(context, list->items, list->capacity * item_bytes);
+        list->items = items;
+        list->capacity = capacity;
+    }
+    void *item = (char *)list->items + list->count * item_bytes;
+    memset(item, 0, item_bytes);
+    return item;
+}
+
+void sagi_list_clear(const sag_context *context, sagi_list *list, size_t item_bytes) {
+    sag_release(context, list->items, list->capacity * item_bytes);
+    *list = (sagi_list){NULL, 0, 0};
+}
+
+sag_world *sag_world_create(sag_context *context) {
+    if (!context) return NULL;
+    sag_world *world = sag_allocate(context, sizeof *world);
+    if (!world) return NULL;
+    memset(world, 0, sizeof *world);
+    world->context = context;
+    world->scene = sag_scene_create(context);
+    if (!world->scene) {
+        sag_release(context, world, sizeof *world);
+        return NULL;
+    }
+    world->settings.camera.to_world = sag_affine_identity();
+    world->settings.film.width = 1280;
+    world->settings.film.height = 720;
+    world->settings.samples_per_pixel = 16;
+    world->settings.max_depth = 5;
+    return world;
+}
+
+void sag_world_destroy(sag_world *world) {
+    if (!world) return;
+    sag_context *context = world->context;
+    sagi_texture *textures = world->textures.items;
+    for (size_t i = 0; i < world->textures.count; i++) sag_image_clear(context, &textures[i].texture.image);
+    sag_light *lights = world->lights.items;
+    for (size_t i = 0; i < world->lights.count; i++) sag_image_clear(context, &lights[i].image);
+    sag_scene_destroy(world->scene);
+    sag_scene **objects = world->objects.items;
+    for (size_t i = 0; i < world->objects.count; i++) sag_scene_destroy(objects[i]);
+    sagi_list_clear(context, &world->textures, sizeof(sagi_texture));
+    sagi_list_clear(context, &world->materials, sizeof(sagi_material));
+    sagi_list_clear(context, &world->lights, sizeof(sag_light));
+    sagi_list_clear(context, &world->appearances, sizeof(sagi_appearance));
+    sagi_list_clear(context, &world->objects, sizeof(sag_scene *));
+    sag_release(context, world, sizeof *world);
+}
+
+sag_context *sag_world_context(const sag_world *world) { return world->context; }
+sag_scene *sag_world_scene(sag_world *world) { return world->scene; }
+sag_settings *sag_world_settings(sag_world *world) { return &world->settings; }
+
+sag_scene *sag_world_add_object(sag_world *world) {
+    sag_scene **slot = sagi_list_grow(world->context, &world->objects, sizeof *slot);
+    if (!slot) return NULL;
+    *slot = sag_scene_create(world->context);
+    if (*slot) world->objects.count++;
+    return *slot;
+}
+
+// The depth of a texture over its inputs, or 0 when one does not exist or there are too many levels.
+static uint32_t texture_depth(const sag_world *world, const sag_texture *texture) {
+    const sagi_texture *textures = world->textures.items;
+    const sag_input *inputs[] = {&texture->a, &texture->b, &texture->amount};
+    uint32_t depth = 1;
+    for (int i = 0; i < 3; i++) {
+        sag_texture_id id = inputs[i]->texture;
+        if (id > world->textures.count) return 0;
+        if (id != 0 && textures[id - 1].depth >= depth) depth = textures[id - 1].depth + 1;
+    }
+    return depth <= SAGI_MAX_TEXTURE_DEPTH ? depth : 0;
+}
+
+sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture) {
+    uint32_t depth = texture_depth(world, texture);
+    sagi_texture *slot = depth ? sagi_list_grow(world->context, &world->textures, sizeof *slot) : NULL;
+    if (!slot) {
+        sag_image image = texture->image;
+        sag_image_clear(world->context, &image);
+        return 0;
+    }
+    slot->texture = *texture;
+    slot->depth = depth;
+    static const sag_affine zero;
+    slot->mapped = memcmp(&texture->world_to_texture, &zero, sizeof zero) != 0 &&
+                   !sag_affine_is_identity(&texture->world_to_texture);
+    if (texture->u_scale == 0) slot->texture.u_scale = 1;
+    if (texture->v_scale == 0) slot->texture.v_scale = 1;
+    if (texture->scale == 0) slot->texture.scale = 1;
+    world->textures.count++;
+    return (sag_texture_id)world->textures.count;
+}
+
+uint32_t sag_world_add_material(sag_world *world, const sag_material *material) {
+    const sag_input *inputs[] = {&material->reflectance, &material->eta, &material->k, &material->roughness_u,
+                                 &material->roughness_v};
+    for (int i = 0; i < 5; i++)
+        if (inputs[i]->texture > world->textures.count) return 0;
+    sagi_material *slot = sagi_list_grow(world->context, &world->materials, sizeof *slot);
+    if (!slot) return 0;
+    slot->material = *material;
+    if (material->kind == SAG_MATERIAL_COATED_DIFFUSE)
+        slot->inner_mean = sagi_fresnel_inner_mean(material->eta.value.r > 0 ? material->eta.value.r : 1.5);
+    world->materials.count++;
+    return (uint32_t)world->materials.count;
+}
+
+uint32_t sag_world_add_light(sag_world *world, const sag_light *light) {
+    sag_light *slot = sagi_list_grow(world->context, &world->lights, sizeof *slot);
+    if (!slot) {
+        sag_image image = light->image;
+        sag_image_clear(world->context, &image);
+        return 0;
+    }
+    *slot = *light;
+    world->lights.count++;
+    return (uint32_t)world->lights.count;
+}
+
+// The appearance of a geometry that has one already. Loaders set each geometry's once and in order: an id
+// above all that its scene has seen so far needs no search.
+static sagi_appearance *find_appearance(sag_world *world, const sag_scene *scene, uint32_t geometry) {
+    sagi_appearance *all = world->appearances.items;
+    for (size_t i = world->appearances.count; i-- > 0;) {
+        if (all[i].scene != scene) continue;
+        if (all[i].geometry == geometry) return &all[i];
+        if (all[i].highest < geometry) return NULL;
+    }
+    return NULL;
+}
+
+// The highest id of this scene that has an appearance; `geometry` itself when there is none.
+static uint32_t highest_id(const sag_world *world, const sag_scene *scene, uint32_t geometry) {
+    const sagi_appearance *all = world->appearances.items;
+    for (size_t i = world->appearances.count; i-- > 0;)
+        if (all[i].scene == scene) return all[i].highest > geometry ? all[i].highest : geometry;
+    return geometry;
+}
+
+sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
+                                    const sag_appearance *appearance) {
+    if (appearance->material > world->materials.count || appearance->alpha.texture > world->textures.count)
+        return SAG_ERROR_ARGUMENT;
+    sagi_appearance *found = find_appearance(world, scene, geometry);
+    if (found) {
+        found->look = *appearance;
+        return SAG_OK;
+    }
+    sagi_appearance *slot = sagi_list_grow(world->context, &world->appearances, sizeof *slot);
+    if (!slot) return SAG_ERROR_MEMORY;
+    sag_status status = sag_geometry_set_user_data(scene, geometry, world->appearances.count + 1);
+    if (status != SAG_OK) return status;
+    slot->look = *appearance;
+    slot->scene = scene;
+    slot->geometry = geometry;
+    slot->highest = highest_id(world, scene, geometry);
+    world->appearances.count++;
+    return SAG_OK;
+}

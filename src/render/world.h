@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// What a world holds. Ids of textures, materials and appearances count from 1: id i is at [i - 1].
+#ifndef SAGI_RENDER_WORLD_H
+#define SAGI_RENDER_WORLD_H
+
+#include "bsdf.h"
+
+// A growing array: see sagi_list_grow.
+typedef struct sagi_list {
+    void *items;
+    size_t count, capacity;
+} sagi_list;
+
+// How deep textures may nest.
+#define SAGI_MAX_TEXTURE_DEPTH 32
+
+typedef struct sagi_texture {
+    sag_texture texture;
+    bool mapped; // world_to_texture is not the identity
+    uint32_t depth;
+} sagi_texture;
+
+typedef struct sagi_material {
+    sag_material material;
+    double inner_mean; // of a coat
+} sagi_material;
+
+// The look of one geometry; its user data is the id.
+typedef struct sagi_appearance {
+    sag_appearance look;
+    sag_scene *scene;
+    uint32_t geometry;
+    uint32_t highest; // id of this scene that had an appearance by then, this one included
+} sagi_appearance;
+
+struct sag_world {
+    sag_context *context;
+    sag_scene *scene;
+    sag_settings settings;
+    sagi_list textures;    // sagi_texture
+    sagi_list materials;   // sagi_material
+    sagi_list lights;      // sag_light
+    sagi_list appearances; // sagi_appearance
+    sagi_list objects;     // sag_scene *
+};
+
+// Room for one more item at the end (not counted yet), zeroed; NULL when memory is short.
+void *sagi_list_grow(const sag_context *context, sagi_list *list, size_t item_bytes);
+void sagi_list_clear(const sag_context *context, sagi_list *list, size_t item_bytes);
+
+// The value at a surface of what may be a texture.
+sag_rgb sagi_input_evaluate(const sag_world *world, const sag_input *input, const sag_surface *surface);
+// What the material of a surface (appearance 0: the default) scatters there. False: nothing is there
+// (interface).
+bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
+                            const sag_surface *surface, sag_vec3 wo, sagi_bsdf *bsdf);
+
+// The appearance a surface's user data names, or NULL.
+static inline const sagi_appearance *sagi_appearance_of(const sag_world *world, const sag_surface *surface) {
+    uint64_t id = surface->user_data;
+    if (id == 0 || id > world->appearances.count) return NULL;
+    return (const sagi_appearance *)world->appearances.items + (id - 1);
+}
+
+// Turns the normals to the front: the shading normal's side, then the appearance's flip.
+void sagi_orient(const sagi_appearance *appearance, sag_surface *surface);
+
+#endif
