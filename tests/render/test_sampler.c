@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// Random numbers: uniform, stratified as they say, unrelated between dimensions and pixels; warps and tables
+// have the densities they claim.
+// clang-format off
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+#include "render/distribution.h"
+#include "render/film.h"
+#include "render/sampler.h"
+#include "render/warp.h"
+#include "support/random.h"
+
+#define BINS 16
+
+static const sag_sampler_kind kinds[] = {SAG_SAMPLER_INDEPENDENT, SAG_SAMPLER_STRATIFIED, SAG_SAMPLER_SOBOL};
+
+// χ² of counts that should be equal; for n − 1 degrees of freedom its mean is n − 1, its deviation √(2(n −
+// 1)).
+static double chi_squared_excess(const uint32_t *counts, size_t n) {
+    double sum = 0, chi = 0;
+    for (size_t i = 0; i < n; i++) sum += counts[i];
+    for (size_t i = 0; i < n; i++) chi += (counts[i] - sum / n) * (counts[i] - sum / n) / (sum / n);
+    return (chi - (n - 1.0)) / sqrt(2 * (n - 1.0));
+}
+
+static void numbers_are_uniform(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        sagi_sampler sampler;
+        sagi_sampler_init(&sampler, kinds[k], 7, 16);
+        uint32_t one[BINS] = {0}, two[BINS * BINS] = {0}, mixed[BINS * BINS] = {0};
+        for (uint32_t pixel = 0; pixel < 2000; pixel++) {
+            sagi_sampler_start_pixel(&sampler, pixel % 50, pixel / 50);
+            // One sample a pixel: the strata of one pixel would be too even for χ².
+            sagi_sampler_start_sample(&sampler, pixel % 16);
+            for (int d = 0; d < 10; d++) {
+                double a = sagi_sampler_1d(&sampler), b = sagi_sampler_1d(&sampler);
+                sag_vec2 c = sagi_sampler_2d(&sampler);
+                assert_true(a >= 0 && a < 1 && c.x >= 0 && c.x < 1 && c.y >= 0 && c.y < 1);
+                one[(int)(a * BINS)]++;
+                two[(int)(c.x * BINS) * BINS + (int)(c.y * BINS)]++;
+                mixed[(int)(b * BINS) * BINS + (int)(c.x * BINS)]++;
+            }
+        }
+        assert_true(fabs(chi_squared_excess(one, BINS)) < 5);
+        assert_true(fabs(chi_squared_excess(two, (size_t)BINS * BINS)) < 5);
+        assert_true(fabs(chi_squared_excess(mixed, (size_t)BINS * BINS)) < 5);
+    }
+}
+
+// Within a pixel every pair of dimensions is spread over the unit square without relation to another pair.
+static void dimensions_of_one_pixel_are_unrelated(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        sagi_sampler sampler;
+        sagi_sampler_init(&sampler, kinds[k], 3, 4096);
+        sagi_sampler_start_pixel(&sampler, 5, 9);
+        uint32_t counts[4][BINS * BINS] = {{0}};
+        for (uint32_t i = 0; i < 4096; i++) {
+            sagi_sampler_start_sample(&sampler, i);
+            sag_vec2 a = sagi_sampler_2d(&sampler), b = sagi_sampler_2d(&sampler);
+            double c = sagi_sampler_1d(&sampler), d = sagi_sampler_1d(&sampler);
+            counts[0][(int)(a.x * BINS) * BINS + (int)(b.x * BINS)]++;
+            counts[1][(int)(a.y * BINS) * BINS + (int)(b.y * BINS)]++;
+            counts[2][(int)(c * BINS) * BINS + (int)(d * BINS)]++;
+            counts[3][(int)(a.x * BINS) * BINS + (int)(c * BINS)]++;
+        }
+        for (int j = 0; j < 4; j++) assert_true(chi_squared_excess(counts[j], (size_t)BINS * BINS) < 5);
+    }
+}
+
+static void strata_have_one_sample_each(void **state) {
+    (void)state;
+    const uint32_t sizes[] = {1, 2, 7, 12, 16, 64, 100};
+    for (int s = 0; s < 7; s++) {
+        uint32_t count = sizes[s];
+        sagi_sampler sampler;
+        sagi_sampler_init(&sampler, SAG_SAMPLER_STRATIFIED, 11, count);
+        assert_int_equal(sampler.x_count * sampler.y_count, count);
+        for (uint32_t pixel = 0; pixel < 20; pixel++) {
+            uint32_t one[100] = {0}, two[100] = {0};
+            sagi_sampler_start_pixel(&sampler, pixel, 3);
+            for (uint32_t i = 0; i < count; i++) {
+                sagi_sampler_start_sample(&sampler, i);
+                one[(uint32_t)(sagi_sampler_1d(&sampler) * count)]++;
+                sag_vec2 p = sagi_sampler_2d(&sampler);
+                two[(uint32_t)(p.y * sampler.y_count) * sampler.x_count +
+                    (uint32_t)(p.x * sampler.x_count)]++;
+            }
+            for (uint32_t i = 0; i < count; i++) assert_true(one[i] == 1 && two[i] == 1);
+        }
+    }
+}
+
+// 2ᵏ Sobol' points lie one in each box 2⁻ᵃ × 2⁻ᵇ, a + b = k, whatever a.
+static void sobol_points_fill_every_elementary_box(void **state) {
+    (void)state;
+    const uint32_t k = 6, count = 1u << k;
+    sagi_sampler sampler;
+    sagi_sampler_init(&sampler, SAG_SAMPLER_SOBOL, 1, count);
+    for (uint32_t pixel = 0; pixel < 20; pixel++) {
+        sag_vec2 points[64];
+        double numbers[64];
+        sagi_sampler_start_pixel(&sampler, pixel, 1);
+        for (uint32_t i = 0; i < count; i++) {
+            sagi_sampler_start_sample(&sampler, i);
+            numbers[i] = sagi_sampler_1d(&sampler);
+            points[i] = sagi_sampler_2d(&sampler);
+        }
+        for (uint32_t a = 0; a <= k; a++) {
+            uint32_t nx = 1u << a, ny = 1u << (k - a), counts[64] = {0};
+            for (uint32_t i = 0; i < count; i++)
+                counts[(uint32_t)(points[i].y * ny) * nx + (uint32_t)(points[i].x * nx)]++;
+            for (uint32_t i = 0; i < count; i++) assert_int_equal(counts[i], 1);
+        }
+        uint32_t counts[64] = {0};
+        for (uint32_t i = 0; i < count; i++) counts[(uint32_t)(numbers[i] * count)]++;
+        for (uint32_t i = 0; i < count; i++) assert_int_equal(counts[i], 1);
+    }
+}
+
+static void numbers_are_a_function_of_their_place(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        sagi_sampler a, b;
+        sagi_sampler_init(&a, kinds[k], 42, 9);
+        sagi_sampler_init(&b, kinds[k], 42, 9);
+        sagi_sampler_start_pixel(&b, 100, 200);
+        sagi_sampler_start_sample(&b, 8);
+        sagi_sampler_1d(&b);
+        for (uint32_t i = 0; i < 9; i++) {
+            sagi_sampler_start_pixel(&a, 3, 4);
+            sagi_sampler_start_sample(&a, i);
+            sagi_sampler_start_pixel(&b, 3, 4);
+            sagi_sampler_start_sample(&b, i);
+            assert_true(sagi_sampler_1d(&a) == sagi_sampler_1d(&b));
+            assert_true(sagi_sampler_2d(&a).y == sagi_sampler_2d(&b).y);
+        }
+    }
+}
+
+static void permutations_are_bijections(void **state) {
+    (void)state;
+    rng r = rng_make(1);
+    for (uint32_t count = 1; count <= 200; count++) {
+        bool seen[200] = {false};
+        uint32_t seed = (uint32_t)rng_bits(&r);
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t j = sagi_permute(i, count, seed);
+            assert_true(j < count && !seen[j]);
+            seen[j] = true;
+        }
+    }
+}
+
+static void equal_area_map_is_its_own_inverse_and_keeps_areas(void **state) {
+    (void)state;
+    rng r = rng_make(2);
+    uint32_t counts[8 * 16] = {0};
+    for (int i = 0; i < 100000; i++) {
+        sag_vec2 p = {rng_unit(&r), rng_unit(&r)};
+        sag_vec3 d = sagi_equal_area_to_sphere(p);
+        assert_true(fabs(sag_dot(d, d) - 1) < 1e-12);
+        sag_vec2 q = sagi_equal_area_from_sphere(d);
+        assert_true(fabs(q.x - p.x) < 1e-7 && fabs(q.y - p.y) < 1e-7);
+        int z = (int)((d.z + 1) / 2 * 8), phi = (int)((atan2(d.y, d.x) / SAGI_RENDER_PI + 1) / 2 * 16);
+        counts[(z > 7 ? 7 : z) * 16 + (phi > 15 ? 15 : phi)]++;
+    }
+    assert_true(fabs(chi_squared_excess(counts, 128)) < 5);
+    sag_vec3 center = sagi_equal_area_to_sphere((sag_vec2){0.5, 0.5});
+    assert_true(center.z == 1);
+}
+
+static void alias_table_has_its_weights(void **state) {
+    (void)state;
+    sag_context *context = sag_context_create(NULL);
+    const double weights[] = {0, 3, 1, 0.25, 0, 7, 1e-3};
+    double sum = 11.251;
+    sagi_alias alias;
+    assert_true(sagi_alias_init(&alias, context, weights, 7));
+    // The exact share of each index: the widths of its pieces of the table.
+    double share[7] = {0}, rest, last = -1;
+    for (int i = 0; i < 7; i++) {
+        double keep = fmin(alias.entries[i].keep, 1);
+        share[i] += keep / 7;
+        share[alias.entries[i].other] += (1 - keep) / 7;
+    }
+    for (int i = 0; i < 7; i++) {
+        assert_true(fabs(share[i] - weights[i] / sum) < 1e-15);
+        assert_true(fabs(alias.entries[i].probability - weights[i] / sum) < 1e-15);
+    }
+    for (double u = 0; u < 1; u += 0x1p-12) {
+        uint32_t index = sagi_alias_sample(&alias, u, &rest);
+        assert_true(index < 7 && weights[index] > 0 && rest >= 0 && rest < 1);
+        last = u;
+    }
+    assert_true(last > 0.99);
+    sagi_alias_clear(&alias, context);
+    const double none[] = {0, 0};
+    assert_true(sagi_alias_init(&alias, context, none, 2));
+    assert_int_equal(alias.count, 0);
+    sag_context_destroy(context);
+}
+
+// The second moment of each filter, by sampling, beside its integral.
+static void filters_have_their_spread(void **state) {
+    (void)state;
+    const sag_filter_kind filters[] = {SAG_FILTER_BOX, SAG_FILTER_TRIANGLE, SAG_FILTER_GAUSSIAN};
+    for (int f = 0; f < 3; f++) {
+        sag_film film = {.filter = filters[f], .filter_radius_x = 1.5, .filter_radius_y = 0.75};
+        sagi_filter filter;
+        assert_int_equal(sagi_filter_init(&filter, &film, NULL), SAG_OK);
+        double radii[] = {1.5, 0.75}, expected[2], found[2] = {0, 0};
+        for (int axis = 0; axis < 2; axis++) {
+            double weight = 0, moment = 0;
+            for (int i = 0; i < 10000; i++) {
+                double r = radii[axis], x = r * (i + 0.5) / 10000, g = 1;
+                if (f == 1) g = r - x;
+                if (f == 2) g = exp(-2 * x * x) - exp(-2 * r * r);
+                weight += g;
+                moment += g * x * x;
+            }
+            expected[axis] = moment / weight;
+        }
+        for (int i = 0; i < 256; i++)
+            for (int j = 0; j < 256; j++) {
+                sag_vec2 p = sagi_filter_sample(&filter, (sag_vec2){(i + 0.5) / 256, (j + 0.5) / 256});
+                assert_true(fabs(p.x) <= 1.5 && fabs(p.y) <= 0.75);
+                found[0] += p.x * p.x / 65536;
+                found[1] += p.y * p.y / 65536;
+            }
+        for (int axis = 0; axis < 2; axis++) assert_true(fabs(found[axis] / expected[axis] - 1) < 2e-3);
+    }
+    sag_film bad = {.filter_radius_x = NAN};
+    sagi_filter filter;
+    assert_int_equal(sagi_filter_init(&filter, &bad, NULL), SAG_ERROR_ARGUMENT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_uniform),
+        cmocka_unit_test(dimensions_of_one_pixel_are_unrelated),
+        cmocka_unit_test(strata_have_one_sample_each),
+        cmocka_unit_test(sobol_points_fill_every_elementary_box),
+        cmocka_unit_test(numbers_are_a_function_of_their_place),
+        cmocka_unit_test(permutations_are_bijections),
+        cmocka_unit_test(equal_area_map_is_its_own_inverse_and_keeps_areas),
+        cmocka_unit_test(alias_table_has_its_weights),
+        cmocka_unit_test(filters_have_their_spread),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
