@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// A subtree of the binary tree on one thread: bin, choose, partition in place, and again with both halves.
+#include "bvh/binary.h"
+
+// Box and centroids of primitives, for halves whose boxes no bins have told.
+static void measure(const sagi_bvh_primitive *primitives, sagi_range *range) {
+    range->box = range->centroids = sagi_float_box_empty();
+    for (uint32_t i = 0; i < range->count; i++) {
+        const sagi_bvh_primitive *p = &primitives[range->first + i];
+        float c[3] = {sagi_centroid(p, 0), sagi_centroid(p, 1), sagi_centroid(p, 2)};
+        sagi_float_box_extend(&range->box, p->lo, p->hi);
+        sagi_float_box_extend(&range->centroids, c, c);
+    }
+}
+
+// Adds a primitive's centroid to a side's box while it passes through our hands anyway.
+static inline void add_centroid(sagi_float_box *centroids, const sagi_bvh_primitive *p) {
+    float c[3] = {sagi_centroid(p, 0), sagi_centroid(p, 1), sagi_centroid(p, 2)};
+    sagi_float_box_extend(centroids, c, c);
+}
+
+// Those that go left come first; both sides' centroids are measured on the way.
+static void partition(sagi_bvh_primitive *primitives, const sagi_split *split, uint32_t first, uint32_t count,
+                      sagi_float_box *left, sagi_float_box *right) {
+    sagi_bvh_primitive *i = primitives + first, *j = i + count;
+    for (;;) {
+        while (i < j && sagi_split_goes_left(split, i)) add_centroid(left, i++);
+        while (i < j && !sagi_split_goes_left(split, j - 1)) add_centroid(right, --j);
+        if (i == j) return;
+        sagi_bvh_primitive t = *i;
+        *i = *--j, *j = t;
+        add_centroid(left, i++), add_centroid(right, j);
+    }
+}
+
+void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *nodes, sagi_range range) {
+    sagi_range stack[SAGI_BVH_MAX_DEPTH + 1]; // right halves not yet done: one a level at most
+    int waiting = 0;
+    sagi_bins bins;
+    for (;;) {
+        sagi_binary_node *node = &nodes[range.node];
+        sagi_split split = {.verdict = SAGI_MAKE_LEAF};
+        if (range.count > 1) {
+            sagi_bins_init(&bins, &range);
+            sagi_bins_add(&bins, primitives + range.first, range.count);
+            split = sagi_bins_choose(&bins, &range);
+        }
+        if (split.verdict == SAGI_MAKE_LEAF) {
+            *node = (sagi_binary_node){range.box, range.first, range.count};
+            if (waiting == 0) return;
+            range = stack[--waiting];
+            continue;
+        }
+        uint32_t m = split.verdict == SAGI_HALVE ? range.count / 2 : split.left_count;
+        sagi_range left = {
+            .node = range.node + 1, .first = range.first, .count = m, .depth = range.depth + 1};
+        sagi_range right = {.node = range.node + 2 * m,
+                            .first = range.first + m,
+                            .count = range.count - m,
+                            .depth = range.depth + 1};
+        if (split.verdict == SAGI_HALVE) {
+            sagi_range_halve(primitives, &range);
+            measure(primitives, &left), measure(primitives, &right);
+        } else {
+            left.box = split.left, right.box = split.right;
+            left.centroids = right.centroids = sagi_float_box_empty();
+            partition(primitives, &split, range.first, range.count, &left.centroids, &right.centroids);
+        }
+        *node = (sagi_binary_node){range.box, right.node, 0};
+        stack[waiting++] = right;
+        range = left;
+    }
+}

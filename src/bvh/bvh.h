@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The acceleration structure: a tree of boxes, eight to a node. It knows boxes and numbers, not shapes.
+//
+// Building goes in two steps: a binary tree by the binned surface area heuristic (binary.c, split.c), which
+// is then collapsed to nodes of eight children (collapse.c). The tree depends on the primitives and their
+// order alone, not on the number of threads.
+#ifndef SAGI_BVH_BVH_H
+#define SAGI_BVH_BVH_H
+
+#include "bvh/box.h"
+#include <sagitta/base.h>
+
+// What the tree is built over: a box and the two numbers that say whose it is. Coordinates should be of the
+// order of 1 (the scene scales them), and must be finite with lo ≤ hi.
+typedef struct sagi_bvh_primitive {
+    float lo[3];
+    uint32_t geometry;
+    float hi[3];
+    uint32_t primitive;
+} sagi_bvh_primitive;
+
+typedef struct sagi_bvh_reference {
+    uint32_t geometry, primitive;
+} sagi_bvh_reference;
+
+// A node: the boxes of its eight children, coordinate by coordinate, so that one instruction handles all
+// eight. plane[0…2] are the lower x, y, z of each child, plane[3…5] the upper. A child with count 0 is the
+// node child[i]; with count > 0 a leaf, the references child[i] … child[i] + count[i] − 1. Children that are
+// not there have the box lo = ∞, hi = −∞, which no ray meets. 256 bytes: four cache lines.
+typedef struct sagi_bvh_node {
+    float plane[6][8];
+    uint32_t child[8];
+    uint32_t count[8];
+} sagi_bvh_node;
+_Static_assert(sizeof(sagi_bvh_node) == 256, "a node is four cache lines");
+
+// Caps that hold together. A leaf has at most SAGI_BVH_MAX_LEAF references and the binary tree at most
+// SAGI_BVH_MAX_DEPTH levels of inner nodes: a node at depth d may hold at most
+// SAGI_BVH_MAX_LEAF · 2^(SAGI_BVH_MAX_DEPTH − d) primitives, and where a split would break that for a child
+// the node is halved instead, which keeps it for both. At the root it holds for any 32-bit count, at the
+// bottom it says that the node fits in a leaf. Collapsing only makes paths shorter. A traversal that pushes
+// all but one of a node's children a level needs a stack of SAGI_BVH_STACK_SIZE.
+#define SAGI_BVH_MAX_LEAF   8
+#define SAGI_BVH_MAX_DEPTH  64
+#define SAGI_BVH_WIDTH      8
+#define SAGI_BVH_STACK_SIZE ((SAGI_BVH_WIDTH - 1) * SAGI_BVH_MAX_DEPTH + 1)
+_Static_assert(SAGI_BVH_MAX_DEPTH >= 32, "halving a 32-bit count must reach a leaf");
+
+typedef struct sagi_bvh {
+    sagi_bvh_node *nodes; // nodes[0] is the root; NULL for an empty tree
+    sagi_bvh_reference *references;
+    uint32_t node_count, node_capacity; // equal once built
+    uint32_t reference_count;
+    uint32_t leaf_count;
+    uint32_t depth;     // levels of nodes
+    sagi_float_box box; // of everything; empty for an empty tree
+} sagi_bvh;
+
+// Builds the tree over primitives[0 … count) on the context's threads; reorders them. SAG_ERROR_MEMORY leaves
+// *tree alone. A count of 0 gives an empty tree.
+sag_status sagi_bvh_build(const sag_context *context, sagi_bvh_primitive *primitives, uint32_t count,
+                          sagi_bvh *tree);
+// Frees what sagi_bvh_build allocated and zeroes *tree.
+void sagi_bvh_release(const sag_context *context, sagi_bvh *tree);
+// Bytes of nodes and references.
+size_t sagi_bvh_bytes(const sagi_bvh *tree);
+
+#endif

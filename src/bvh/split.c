@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// Where to cut a range of primitives in two.
+//
+// The surface area heuristic: a random ray that meets a convex box meets a convex box inside it with
+// probability area(inside)/area(outside). So a node split into L and R costs
+//     SPLIT_COST · A + TEST_COST · (n_L A_L + n_R A_R)
+// against TEST_COST · n · A for a leaf, A being areas and the children taken for leaves (MacDonald & Booth,
+// "Heuristics for Ray Tracing Using Space Subdivision", 1990). Only cuts between equal bins of the centroids'
+// extent are tried (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007).
+//
+// Bins hold minima, maxima and counts. All three are the same in whatever order primitives are added, so a
+// range may be binned in pieces by several threads and merged: the tree does not depend on their number.
+#include "bvh/binary.h"
+#include <string.h>
+
+#define SPLIT_COST 1.0f // of a binary split: in the eight-wide tree about one box more
+#define TEST_COST  1.0f
+
+// A range's primitives stop being worth 16 bins when they are few.
+static int bin_count(uint32_t count) { return count > 24 ? SAGI_MAX_BINS : 8; }
+
+void sagi_bins_init(sagi_bins *bins, const sagi_range *range) {
+    bins->count = bin_count(range->count);
+    for (int axis = 0; axis < 3; axis++) {
+        float lo = range->centroids.lo[axis], extent = range->centroids.hi[axis] - lo;
+        // A hair less than bins/extent, so that the largest centroid falls in the last bin: the product is
+        // at most bins (1 − 2⁻²⁰)(1 + 2⁻²⁴)³ < bins. An extent so small that the quotient overflows is none.
+        float scale = (float)bins->count * (1 - 0x1p-20f) / extent;
+        bins->origin[axis] = lo;
+        bins->scale[axis] = extent > 0 && scale < 0x1p120f ? scale : 0;
+        for (int b = 0; b < bins->count; b++) {
+            sagi_bin *bin = &bins->at[axis][b];
+            for (int k = 0; k < 4; k++) bin->lo[k] = INFINITY, bin->hi[k] = -INFINITY;
+            bin->count = 0;
+        }
+    }
+}
+
+static inline void bin_extend(sagi_bin *bin, const float lo[4], const float hi[4]) {
+    for (int k = 0; k < 4; k++) bin->lo[k] = lo[k] < bin->lo[k] ? lo[k] : bin->lo[k];
+    for (int k = 0; k < 4; k++) bin->hi[k] = hi[k] > bin->hi[k] ? hi[k] : bin->hi[k];
+}
+
+void sagi_bins_add(sagi_bins *bins, const sagi_bvh_primitive *primitives, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        const sagi_bvh_primitive *p = &primitives[i];
+        float lo[4] = {p->lo[0], p->lo[1], p->lo[2], 0}, hi[4] = {p->hi[0], p->hi[1], p->hi[2], 0};
+        for (int axis = 0; axis < 3; axis++) {
+            sagi_bin *bin =
+                &bins->at[axis][sagi_bin_of(lo[axis] + hi[axis], bins->origin[axis], bins->scale[axis])];
+            bin_extend(bin, lo, hi);
+            bin->count++;
+        }
+    }
+}
+
+void sagi_bins_merge(sagi_bins *bins, const sagi_bins *other) {
+    for (int axis = 0; axis < 3; axis++)
+        for (int b = 0; b < bins->count; b++) {
+            bin_extend(&bins->at[axis][b], other->at[axis][b].lo, other->at[axis][b].hi);
+            bins->at[axis][b].count += other->at[axis][b].count;
+        }
+}
+
+// The most primitives a node at this depth may hold (bvh.h).
+static uint64_t depth_allows(uint32_t depth) {
+    uint32_t levels = SAGI_BVH_MAX_DEPTH - depth;
+    return levels >= 32 ? UINT64_MAX : (uint64_t)SAGI_BVH_MAX_LEAF << levels;
+}
+
+// Boxes and counts of everything right of each cut, then from the left the cheapest cut.
+static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, sagi_split *best,
+                           float *best_cost) {
+    sagi_float_box right[SAGI_MAX_BINS], box = sagi_float_box_empty();
+    uint32_t right_count[SAGI_MAX_BINS], count = 0;
+    for (int b = bins->count - 1; b > 0; b--) {
+        const sagi_bin *bin = &bins->at[axis][b];
+        sagi_float_box_extend(&box, bin->lo, bin->hi);
+        right[b] = box, right_count[b] = count += bin->count;
+    }
+    box = sagi_float_box_empty(), count = 0;
+    for (int b = 1; b < bins->count; b++) {
+        const sagi_bin *bin = &bins->at[axis][b - 1];
+        sagi_float_box_extend(&box, bin->lo, bin->hi);
+        count += bin->count;
+        if (count == 0 || right_count[b] == 0 || count > most || right_count[b] > most) continue;
+        float cost = (float)count * sagi_float_box_half_area(&box) +
+                     (float)right_count[b] * sagi_float_box_half_area(&right[b]);
+        if (cost < *best_cost) {
+            *best_cost = cost;
+            *best = (sagi_split){.verdict = SAGI_SPLIT,
+                                 .axis = axis,
+                                 .bin = b,
+                                 .origin = bins->origin[axis],
+                                 .scale = bins->scale[axis],
+                                 .left_count = count,
+                                 .left = box,
+                                 .right = right[b]};
+        }
+    }
+}
+
+sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
+    bool fits = range->count <= SAGI_BVH_MAX_LEAF;
+    sagi_split best = {.verdict = fits ? SAGI_MAKE_LEAF : SAGI_HALVE};
+    float area = sagi_float_box_half_area(&range->box), best_cost = INFINITY;
+    if (fits) best_cost = (TEST_COST * (float)range->count - SPLIT_COST) * area / TEST_COST;
+    uint64_t most = depth_allows(range->depth + 1);
+    for (int axis = 0; axis < 3; axis++)
+        if (bins->scale[axis] > 0) choose_on_axis(bins, axis, most, &best, &best_cost);
+    return best;
+}
+
+static bool before(const sagi_bvh_primitive *a, const sagi_bvh_primitive *b, int axis) {
+    float ca = sagi_centroid(a, axis), cb = sagi_centroid(b, axis);
+    if (ca != cb) return ca < cb;
+    if (a->geometry != b->geometry) return a->geometry < b->geometry;
+    return a->primitive < b->primitive;
+}
+
+static void swap(sagi_bvh_primitive *a, sagi_bvh_primitive *b) {
+    sagi_bvh_primitive t = *a;
+    *a = *b, *b = t;
+}
+
+// Hoare's selection: narrows [low, high] around the middle place until it holds what belongs there. The order
+// is total, so equal centroids do not slow it down.
+void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range) {
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if (range->centroids.hi[k] - range->centroids.lo[k] >
+            range->centroids.hi[axis] - range->centroids.lo[axis])
+            axis = k;
+    sagi_bvh_primitive *p = primitives + range->first;
+    int64_t low = 0, high = (int64_t)range->count - 1, middle = range->count / 2;
+    while (low < high) {
+        sagi_bvh_primitive pivot = p[low + (high - low) / 2];
+        int64_t i = low, j = high;
+        while (i <= j) {
+            while (before(&p[i], &pivot, axis)) i++;
+            while (before(&pivot, &p[j], axis)) j--;
+            if (i <= j) swap(&p[i++], &p[j--]);
+        }
+        if (middle <= j)
+            high = j;
+        else if (middle >= i)
+            low = i;
+        else
+            return;
+    }
+}

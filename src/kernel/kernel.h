@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// The traversal's functions for one instruction set. It is written once (kernel.inl); each kernel_<isa>.c
+// includes it, is compiled with that instruction set's flags and exports one table, an empty one when it was
+// compiled without them. Every kernel gives the same bits.
+#ifndef SAGI_KERNEL_KERNEL_H
+#define SAGI_KERNEL_KERNEL_H
+
+#include "base/cpu.h"
+#include "kernel/world.h"
+
+typedef struct sagi_kernel {
+    // The verbs of scene.h: sag_intersect, sag_occluded and sag_intersect_all. The ray must be valid.
+    bool (*intersect)(const sagi_world *world, const sag_ray *ray, sag_hit *hit);
+    bool (*occluded)(const sagi_world *world, const sag_ray *ray);
+    size_t (*crossings)(const sagi_world *world, const sag_ray *ray, sag_hit *hits, size_t capacity);
+} sagi_kernel;
+
+extern const sagi_kernel sagi_kernel_portable, sagi_kernel_avx2, sagi_kernel_avx512;
+
+// The kernel for an instruction set; the portable one where there is none of its own.
+const sagi_kernel *sagi_kernel_pick(sagi_isa isa);
+
+// The order of hits: by t, instance path, geometry, primitive. A path comes before those it begins.
+bool sagi_hit_before(const sag_hit *a, const sag_hit *b);
+
+// The first `capacity` hits, in order, of any number that come in any order, in the caller's array: a heap
+// with the last of them on top.
+typedef struct sagi_collector {
+    sag_hit *hits;
+    size_t capacity, count; // count: all that came
+} sagi_collector;
+
+void sagi_collector_add(sagi_collector *collector, const sag_hit *hit);
+// Sorts what was kept.
+void sagi_collector_finish(sagi_collector *collector);
+
+#endif

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// The float copy of a ray that walks the tree. It may only cull what the ray certainly misses, so every
+// number in it is a bound.
+//
+// Units. The world's boxes are b = (p − C)·2⁻ᵏ with |b| ≤ 1, C being its origin (exact: rounded outward when
+// they were made, bvh/box.h). With e such that max|dᵢ|·2⁻ᵉ is in [½, 1) let
+//     q = (o − C)·2⁻ᵏ,   D = d·2⁻ᵉ,   τ = t·2ᵉ⁻ᵏ − τ₀,   P = q + τ₀D:
+// in these units the ray is P + τD, and starts at τ = 0. τ₀ is where it enters the box of everything, or its
+// t_min if that is later, so that a far origin costs no accuracy: |P| is of the order of 1.
+//
+// Error of P. Let u = 2⁻⁵³. o − C is rounded once (u|q|), the product and the sum once each, so that P is off
+// by at most 2u(|q| + |τ₀D|)(1 + small) in each coordinate. Geometry with a transform meets another ray, the
+// one brought to its space in double; where that ray, taken back, stands relative to this one is bounded by
+// the world's spread (world.h). The sum of both, doubled for the shapes' own last-bit decisions, is
+//     δ = 2⁻⁵⁰ (|q| + |τ₀D|) + 2⁻⁵⁰ spread + 2⁻⁹⁰.
+// (2⁻⁹⁰ of the scene's size stands for whatever underflows.) True coordinates lie in P ± δ.
+//
+// Slabs. With ρ = 1/D the ray enters a slab at N = (b − P)ρ, b its near plane. We compute
+//     fl(fl(b r) + a),   r = fl(ρ(1 − 2⁻²²)),   a = fl(−P r − (2⁻²²|P r| + δ|r|(1 + 2⁻²⁰) + 2⁻¹⁰⁰)).
+// Let v = 2⁻²⁴. r = ρ(1 − η) with 3v ≤ η ≤ 5v. The product errs by at most v|b r| ≤ v(|P r| + |N|), the
+// conversion of a by v|P r| plus v of the rest (the factor 1 + 2⁻²⁰ pays for that), the last sum by
+// v·max(N, 0) in the direction that matters. So the result is at most
+//     N(1 − η) + v|N| + vN + (v + v − 4v)|P r| ≤ N   when N ≥ 0,   and ≤ 0 when N ≤ 0,
+// which is as good, since it is compared with 0 next. In the same way, with 1 + 2⁻²² and the signs turned,
+// the exit is at least its true value when that is ≥ 0. So a box that the ray meets at some τ ≥ 0 is never
+// culled, and its entry is never overstated: that, and not the widening of boxes alone, is what conservative
+// takes (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, treats the case of equal precision).
+//
+// Small |Dᵢ| < 2⁻⁴⁰. r = ±2⁴⁰ stands in for ρ, so that no infinity meets a zero. Inside the scene's box τ
+// runs over less than 4(1 + δ), as some |Dⱼ| ≥ ½; the coordinate moves by less than 2⁻³⁸(1 + δ), which times
+// |r| is 4(1 + δ). Widening a by 16 + 2δ|r| puts every slab that the ray can meet around the whole of that
+// run of τ; slabs further off are still culled.
+//
+// The far end. t·2ᵉ⁻ᵏ − τ₀ is rounded up to float, after adding 2⁻⁴⁸ of both terms for the rounding of the
+// difference and because a shape's t may be 4 ulp from the true one: a box that holds a hit at the best t
+// must not be lost, for the order among equal t decides.
+#ifndef SAGI_KERNEL_RAY_H
+#define SAGI_KERNEL_RAY_H
+
+#include "kernel/world.h"
+#include <float.h>
+
+typedef struct sagi_float_ray {
+    float near_scale[3], near_add[3]; // entry = plane · scale + add
+    float far_scale[3], far_add[3];   // exit
+    int near_plane[3], far_plane[3];  // which of a node's six planes
+    double unit[3], start;            // τ = t · unit[0] · unit[1] · unit[2] − start
+} sagi_float_ray;
+
+static inline double power_of_two(int exponent) { // −1022 … 1023
+    union {
+        uint64_t bits;
+        double value;
+    } u = {.bits = (uint64_t)(exponent + 1023) << 52};
+    return u.value;
+}
+
+static inline double scaled_time(const sagi_float_ray *ray, double t) {
+    return t * ray->unit[0] * ray->unit[1] * ray->unit[2];
+}
+
+// The float that τ of a hit at t or sooner does not exceed.
+static inline float sagi_float_ray_limit(const sagi_float_ray *ray, double t) {
+    double tau = scaled_time(ray, t);
+    double limit = (tau - ray->start) + 0x1p-48 * (fabs(tau) + fabs(ray->start)) + 0x1p-70;
+    return (float)(limit * (1 + 0x1p-22));
+}
+
+// The entry's scale and addend for one coordinate with bounds that cull nothing, for a ray so far away (2²⁰⁰
+// times the scene's size) that doubles say nothing about it.
+static inline void blind_axis(sagi_float_ray *out, int k) {
+    out->near_scale[k] = out->far_scale[k] = 1;
+    out->near_add[k] = -FLT_MAX, out->far_add[k] = FLT_MAX;
+    out->near_plane[k] = k, out->far_plane[k] = 3 + k;
+}
+
+static inline void set_axis(sagi_float_ray *out, int k, double p, double d, double error) {
+    bool small = fabs(d) < 0x1p-40;
+    double inverse = small ? copysign(0x1p40, d) : 1 / d;
+    float near = (float)(inverse * (1 - 0x1p-22)), far = (float)(inverse * (1 + 0x1p-22));
+    double reach = fabs((double)far) * error * (1 + 0x1p-20) + 0x1p-100;
+    if (small) reach = 3 * reach + 16;
+    double near_add = -p * near - (0x1p-22 * fabs(p * near) + reach);
+    double far_add = -p * far + (0x1p-22 * fabs(p * far) + reach);
+    out->near_scale[k] = near, out->far_scale[k] = far;
+    out->near_add[k] = (float)fmax(near_add, -FLT_MAX), out->far_add[k] = (float)fmin(far_add, FLT_MAX);
+    bool forward = !signbit(d);
+    out->near_plane[k] = forward ? k : 3 + k, out->far_plane[k] = forward ? 3 + k : k;
+}
+
+// Fills *out; false when the ray certainly misses everything in the tree, which is not empty.
+static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+    const double o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
+    const double c[3] = {world->origin.x, world->origin.y, world->origin.z};
+    int exponent;
+    frexp(fmax(fabs(d[0]), fmax(fabs(d[1]), fabs(d[2]))), &exponent);
+    int half = exponent / 2, rest = exponent - half; // in two steps, since 2ᵉ alone may overflow
+    double down[2] = {power_of_two(-half), power_of_two(-rest)};
+    out->unit[0] = power_of_two(half), out->unit[1] = power_of_two(rest), out->unit[2] = world->scale;
+    out->start = 0;
+
+    double q[3], direction[3], spread = 0;
+    for (int k = 0; k < 3; k++) {
+        q[k] = (o[k] - c[k]) * world->scale;
+        direction[k] = d[k] * down[0] * down[1];
+        spread = fmax(spread, fabs(o[k]));
+    }
+    spread = (spread * world->spread_relative + world->spread_absolute) * world->scale * 0x1p-50;
+    if (!(fabs(q[0]) < 0x1p200 && fabs(q[1]) < 0x1p200 && fabs(q[2]) < 0x1p200 && spread < 0x1p200)) {
+        for (int k = 0; k < 3; k++) blind_axis(out, k);
+        out->start = -INFINITY; // makes every limit infinite
+        return true;
+    }
+    // Where the ray is in the box of everything: bounds from both sides. (b − q)/D errs by at most
+    // 3u(1 + |q|)/|D| in either.
+    double enter = scaled_time(out, ray->t_min), leave = scaled_time(out, ray->t_max);
+    enter -= 0x1p-48 * fabs(enter) + 0x1p-70, leave += 0x1p-48 * fabs(leave) + 0x1p-70;
+    for (int k = 0; k < 3; k++) {
+        double lo = world->tree.box.lo[k], hi = world->tree.box.hi[k];
+        double error = 0x1p-50 * (1 + fabs(q[k])) + spread + 0x1p-90;
+        if (fabs(direction[k]) < 0x1p-300) { // moves by less than 2⁻⁹⁰, as τ < 2²⁰²
+            if (!(q[k] >= lo - error && q[k] <= hi + error)) return false;
+            continue;
+        }
+        double inverse = 1 / direction[k];
+        double a = (lo - q[k]) * inverse, b = (hi - q[k]) * inverse, margin = 2 * error * fabs(inverse);
+        enter = fmax(enter, fmin(a, b) - margin), leave = fmin(leave, fmax(a, b) + margin);
+    }
+    if (!(enter <= leave)) return false;
+    out->start = enter;
+    for (int k = 0; k < 3; k++) {
+        double walked = enter * direction[k];
+        set_axis(out, k, q[k] + walked, direction[k],
+                 0x1p-50 * (fabs(q[k]) + fabs(walked)) + spread + 0x1p-90);
+    }
+    return true;
+}
+
+#endif

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// A committed scene as the traversal sees it: a tree over references, and the geometries they refer to. It
+// does not change once made; any number of threads read it.
+#ifndef SAGI_KERNEL_WORLD_H
+#define SAGI_KERNEL_WORLD_H
+
+#include "bvh/bvh.h"
+#include <sagitta/scene.h>
+
+typedef struct sagi_world sagi_world;
+
+// Where a geometry or instance stands.
+typedef struct sagi_place {
+    sag_affine to_scene, to_object;
+    bool mirrored;                   // the determinant is negative
+    bool similarity;                 // to_scene multiplies every length by the same number, up to rounding
+    double stretch_min, stretch_max; // bounds of |M v|/|v|
+} sagi_place;
+
+// A geometry. Its number in sagi_world.items is its id.
+typedef struct sagi_item {
+    const void *shape;       // its struct; a mesh's with the vertices where they stand in the scene
+    const sagi_world *child; // of an instance; else NULL
+    const sagi_place *place; // NULL: the identity, and always for meshes
+    uint32_t mask;           // never 0
+    uint8_t kind;            // sag_shape_kind
+    bool mirrored;           // a mesh whose transform turned its triangles' sense of rotation
+} sagi_item;
+
+struct sagi_world {
+    sagi_bvh tree; // boxes are ((p − origin) · scale), within [−1, 1]
+    sag_vec3 origin;
+    double scale; // a power of two
+    const sagi_item *items;
+    uint32_t item_count;
+    const sagi_bvh_reference *unbounded; // tested for every ray
+    uint32_t unbounded_count;
+    uint32_t instance_levels; // 0 without instances, else one more than the children's most
+    // A ray with origin o that is brought to an object's space and back is off by at most
+    // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing
+    // here has a transform (ray.h).
+    double spread_relative, spread_absolute;
+};
+
+#endif

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// What rays ask of a committed scene: thin doors to the kernel chosen for this machine.
+#include "scene/scene.h"
+
+bool sag_intersect(const sag_scene *scene, const sag_ray *ray, sag_hit *hit) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    return s != NULL && sag_ray_is_valid(ray) && scene->kernel->intersect(&s->world, ray, hit);
+}
+
+bool sag_occluded(const sag_scene *scene, const sag_ray *ray) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    return s != NULL && sag_ray_is_valid(ray) && scene->kernel->occluded(&s->world, ray);
+}
+
+size_t sag_intersect_all(const sag_scene *scene, const sag_ray *ray, sag_hit *hits, size_t capacity) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    if (s == NULL || !sag_ray_is_valid(ray)) return 0;
+    return scene->kernel->crossings(&s->world, ray, hits, capacity);
+}
+
+size_t sag_count_crossings(const sag_scene *scene, const sag_ray *ray) {
+    return sag_intersect_all(scene, ray, NULL, 0);
+}
+
+bool sag_contains(const sag_scene *scene, sag_vec3 point) {
+    // Any direction would do, as ties are decided exactly; this one is not along the axes and diagonals that
+    // modelled surfaces like, so it meets few ties. (√2 − 1, √3 − 1, √5 − 2.)
+    sag_ray ray =
+        sag_ray_make(point, sag_vec3_make(0.41421356237309503, 0.7320508075688772, 0.2360679774997898));
+    return sag_count_crossings(scene, &ray) % 2 == 1;
+}
+
+// Rays a thread takes at a time: enough to hide the hand-over, few enough to share evenly.
+#define RAYS_AT_A_TIME 256u
+
+typedef struct batch {
+    const sag_scene *scene;
+    const sag_ray *rays;
+    sag_hit *hits;
+    bool *occluded;
+    size_t count;
+} batch;
+
+static void intersect_some(void *argument, size_t index) {
+    const batch *b = argument;
+    size_t begin = index * RAYS_AT_A_TIME, end = begin + RAYS_AT_A_TIME;
+    for (size_t i = begin; i < end && i < b->count; i++)
+        if (!sag_intersect(b->scene, &b->rays[i], &b->hits[i]))
+            b->hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+}
+
+static void occlude_some(void *argument, size_t index) {
+    const batch *b = argument;
+    size_t begin = index * RAYS_AT_A_TIME, end = begin + RAYS_AT_A_TIME;
+    for (size_t i = begin; i < end && i < b->count; i++) b->occluded[i] = sag_occluded(b->scene, &b->rays[i]);
+}
+
+void sag_intersect_batch(const sag_scene *scene, const sag_ray *rays, sag_hit *hits, size_t count) {
+    batch b = {.scene = scene, .rays = rays, .hits = hits, .count = count};
+    sag_parallel_for(scene->context, count / RAYS_AT_A_TIME + (count % RAYS_AT_A_TIME != 0), intersect_some,
+                     &b);
+}
+
+void sag_occluded_batch(const sag_scene *scene, const sag_ray *rays, bool *occluded, size_t count) {
+    batch b = {.scene = scene, .rays = rays, .occluded = occluded, .count = count};
+    sag_parallel_for(scene->context, count / RAYS_AT_A_TIME + (count % RAYS_AT_A_TIME != 0), occlude_some,
+                     &b);
+}

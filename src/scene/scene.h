@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// What a scene is made of.
+//
+// sag_scene holds the geometries as the caller describes them, and may change. A commit makes a snapshot of
+// them: a world for the kernels plus what the cold queries need. Snapshots do not change; they own what they
+// refer to by counting references, so removing a geometry, or giving up a scene whose snapshot is an instance
+// elsewhere, takes nothing away from under a query. Snapshots refer to older snapshots only, so there are no
+// cycles.
+#ifndef SAGI_SCENE_SCENE_H
+#define SAGI_SCENE_SCENE_H
+
+#include "kernel/kernel.h"
+#include <stdatomic.h>
+
+// A shape's description with all its arrays, in one block of memory.
+typedef struct sagi_store {
+    atomic_uint references;
+    const sag_context *context;
+    size_t bytes; // of the whole block
+    const void *shape;
+} sagi_store;
+
+// Deep copy; NULL when memory is short.
+sagi_store *sagi_store_create(const sag_context *context, sag_shape_kind kind, const void *shape);
+sagi_store *sagi_store_retain(sagi_store *store);
+void sagi_store_release(sagi_store *store); // NULL does nothing
+// A mesh with its vertices, and normals, moved.
+sagi_store *sagi_store_create_moved_mesh(const sag_context *context, const sag_mesh *mesh,
+                                         const sagi_place *place);
+
+// What a snapshot knows of one geometry besides the kernel's sagi_item.
+typedef struct sagi_snapshot sagi_snapshot;
+typedef struct sagi_entry {
+    bool present;
+    bool face_forward;
+    uint64_t user_data;
+    sagi_store *store;    // the description as given; NULL for an instance
+    sagi_store *moved;    // a transformed mesh, else NULL
+    sagi_snapshot *child; // of an instance, else NULL
+    sagi_place place;
+    bool placed; // place is not the identity
+} sagi_entry;
+
+struct sagi_snapshot {
+    sagi_world world;
+    atomic_uint references;
+    const sag_context *context;
+    sagi_item *items;    // world.items
+    sagi_entry *entries; // as many
+    uint32_t count;
+    sagi_bvh_reference *unbounded; // world.unbounded
+    uint32_t unbounded_capacity;
+    sag_scene_stats stats;
+    double radius; // the largest coordinate of stats.bounds
+};
+
+// A snapshot of `count` empty entries, not yet with a tree; NULL when memory is short.
+sagi_snapshot *sagi_snapshot_create(const sag_context *context, uint32_t count);
+sagi_snapshot *sagi_snapshot_retain(sagi_snapshot *snapshot);
+void sagi_snapshot_release(sagi_snapshot *snapshot); // NULL does nothing
+// Fills in tree, bounds and counts from the entries (structure.c).
+sag_status sagi_snapshot_build(sagi_snapshot *snapshot);
+
+// What became of a primitive on its way to the tree.
+typedef enum sagi_primitive_state {
+    SAGI_PRIMITIVE_GOOD,
+    SAGI_PRIMITIVE_NOT_FINITE,
+    SAGI_PRIMITIVE_DEGENERATE,
+    SAGI_PRIMITIVE_UNBOUNDED,
+    SAGI_PRIMITIVE_EMPTY, // an instance of an empty scene
+} sagi_primitive_state;
+
+// How many primitives a geometry has, and the box of one in the scene's space (written when it is good).
+uint32_t sagi_primitive_count(const sagi_snapshot *snapshot, uint32_t geometry);
+sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,
+                                        sag_box3 *box);
+
+// Works out a place from its map; false when the map is singular.
+bool sagi_place_make(const sag_affine *to_scene, sagi_place *place);
+// Bounds of |M v|/|v| and whether they agree to rounding.
+void sagi_affine_stretch(const sag_affine *a, double *least, double *most, bool *similarity);
+
+// A surface from an object's space to the scene's; both its normals turned round (surface.c).
+void sagi_surface_map(const sagi_place *place, sag_surface *surface);
+void sagi_surface_turn(sag_surface *surface);
+
+// What a scene's snapshot is reached by from the instances of it: it stays when the scene goes.
+typedef struct sagi_cell {
+    atomic_uint references;
+    const sag_context *context;
+    sagi_snapshot *current; // NULL before the first commit
+} sagi_cell;
+
+sagi_cell *sagi_cell_retain(sagi_cell *cell);
+void sagi_cell_release(sagi_cell *cell);
+
+typedef struct sagi_geometry {
+    sag_shape_kind kind;
+    bool removed, disabled, face_forward, placed;
+    uint32_t mask;
+    uint64_t user_data;
+    sag_affine to_scene; // when placed
+    sagi_store *store;   // NULL for an instance
+    sagi_cell *child;    // NULL for all else
+} sagi_geometry;
+
+struct sag_scene {
+    const sag_context *context;
+    const sagi_kernel *kernel;
+    sagi_geometry *geometries;
+    uint32_t count, capacity;
+    sag_error add_error; // the first failed add since the last commit; status SAG_OK: none
+    sagi_cell *cell;
+};
+
+// The current snapshot, NULL before the first commit.
+static inline const sagi_snapshot *sagi_scene_snapshot(const sag_scene *scene) {
+    return scene->cell->current;
+}
+
+#endif

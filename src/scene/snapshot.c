@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Snapshots and cells: making them and counting who holds them.
+#include "scene/scene.h"
+#include <string.h>
+
+sagi_snapshot *sagi_snapshot_create(const sag_context *context, uint32_t count) {
+    sagi_snapshot *s = sag_allocate(context, sizeof *s);
+    if (s == NULL) return NULL;
+    memset(s, 0, sizeof *s);
+    atomic_init(&s->references, 1);
+    s->context = context;
+    s->count = count;
+    s->world.tree.box = sagi_float_box_empty();
+    s->items = sag_allocate(context, count * sizeof *s->items);
+    s->entries = sag_allocate(context, count * sizeof *s->entries);
+    if (count > 0 && (s->items == NULL || s->entries == NULL)) {
+        sag_release(context, s->items, count * sizeof *s->items);
+        sag_release(context, s->entries, count * sizeof *s->entries);
+        sag_release(context, s, sizeof *s);
+        return NULL;
+    }
+    if (count > 0) {
+        memset(s->items, 0, count * sizeof *s->items);
+        memset(s->entries, 0, count * sizeof *s->entries);
+    }
+    s->world.items = s->items;
+    s->world.item_count = count;
+    return s;
+}
+
+sagi_snapshot *sagi_snapshot_retain(sagi_snapshot *snapshot) {
+    if (snapshot != NULL) atomic_fetch_add(&snapshot->references, 1);
+    return snapshot;
+}
+
+// A child's release comes back here, at most SAG_MAX_INSTANCE_DEPTH deep.
+void sagi_snapshot_release(sagi_snapshot *s) {
+    if (s == NULL || atomic_fetch_sub(&s->references, 1) != 1) return;
+    for (uint32_t i = 0; i < s->count; i++) {
+        sagi_store_release(s->entries[i].store);
+        sagi_store_release(s->entries[i].moved);
+        sagi_snapshot_release(s->entries[i].child);
+    }
+    sagi_bvh_release(s->context, &s->world.tree);
+    sag_release(s->context, s->unbounded, s->unbounded_capacity * sizeof *s->unbounded);
+    sag_release(s->context, s->items, s->count * sizeof *s->items);
+    sag_release(s->context, s->entries, s->count * sizeof *s->entries);
+    sag_release(s->context, s, sizeof *s);
+}
+
+sagi_cell *sagi_cell_retain(sagi_cell *cell) {
+    if (cell != NULL) atomic_fetch_add(&cell->references, 1);
+    return cell;
+}
+
+void sagi_cell_release(sagi_cell *cell) {
+    if (cell == NULL || atomic_fetch_sub(&cell->references, 1) != 1) return;
+    sagi_snapshot_release(cell->current);
+    sag_release(cell->context, cell, sizeof *cell);
+}
