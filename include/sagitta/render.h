@@ -158,6 +158,13 @@ typedef struct sag_camera {
     double focal_distance;   ///< what is sharp with a lens; 0: infinity
 } sag_camera;
 
+/// The to_world of a camera at `eye` that looks at `target` with `up` (of any length) upward in the picture,
+/// in a right-handed world: its columns are right = z × up, right × z and z, the direction to the target.
+/// Since camera space is left-handed the map mirrors. (pbrt takes the world to be left-handed: there right is
+/// up × z.) When up is along z, any upright will do; when eye and target are equal, z = (0, 0, 1). Not finite
+/// in, not finite out. Thread-safe. Test: tests/render/test_camera.c.
+SAG_API sag_affine sag_camera_look_at(sag_vec3 eye, sag_vec3 target, sag_vec3 up);
+
 typedef enum sag_filter_kind { SAG_FILTER_BOX, SAG_FILTER_TRIANGLE, SAG_FILTER_GAUSSIAN } sag_filter_kind;
 
 typedef struct sag_film {

@@ -9,6 +9,15 @@
 
 #include "warp.h"
 
+sag_affine sag_camera_look_at(sag_vec3 eye, sag_vec3 target, sag_vec3 up) {
+    sag_vec3 z = sag_normalize(sag_sub(target, eye));
+    if (z.x == 0 && z.y == 0 && z.z == 0) z.z = 1;
+    sag_vec3 right = sag_cross(z, sag_normalize(up)), other;
+    if (right.x == 0 && right.y == 0 && right.z == 0) sag_frame(z, &right, &other);
+    right = sag_normalize(right);
+    return sag_affine_from_columns(right, sag_cross(right, z), z, eye);
+}
+
 sag_status sagi_camera_init(sagi_camera *camera, const sag_camera *description, uint32_t width,
                             uint32_t height, sag_error *error) {
     if (width == 0 || height == 0 || width > SAG_MAX_IMAGE_SIZE || height > SAG_MAX_IMAGE_SIZE)
