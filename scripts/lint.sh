@@ -49,7 +49,7 @@ for header in include/sagitta/*.h include/sagitta/*/*.h; do
 done
 
 echo "== sources"
-tracked 'src/*' 'include/*' 'tools/*' 'tests/*' 'bench/*' 'examples/*.c' 'scripts/*' 'python/*' 'cmake/*' CMakeLists.txt Makefile |
+tracked 'src/*' 'include/*' 'docs/skeleton/*' 'tools/*' 'tests/*' 'bench/*' 'examples/*.c' 'scripts/*' 'python/*' 'cmake/*' CMakeLists.txt Makefile |
   grep -vE '\.(png|exr|pfm|jpg|ply|npy|csv|pbrt)$' >"$gcc_build/lint-files"
 while read -r file; do
   [ -f "$file" ] || continue
