@@ -96,9 +96,8 @@ static void check_surface(const shape_case *c, const sag_ray *ray, const sag_hit
     // The point at the rounded t is off by t's 4 ulp and the roundings of the sum.
     sag_vec3 slack =
         sag_scale(sag_add(sag_abs(ray->origin), sag_abs(sag_scale(ray->direction, hit->t))), 0x1p-49);
-    assert_true(within(p.x, s.position.x, e.x + slack.x));
-    assert_true(within(p.y, s.position.y, e.y + slack.y));
-    assert_true(within(p.z, s.position.z, e.z + slack.z));
+    // A position brought back to the surface may trade an error in one coordinate for one in another.
+    assert_true(sag_length(sag_sub(p, s.position)) <= sag_length(e) + sag_length(slack));
     double scale = sag_length(s.position) + c->radius;
     assert_true(e.x >= 0 && e.y >= 0 && e.z >= 0);
     assert_true(e.x + e.y + e.z <= 0x1p-44 * scale);

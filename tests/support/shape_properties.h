@@ -37,7 +37,8 @@ void check_bad_rays(const shape_case *c);                       // NaN, Inf, zer
 void check_area_and_samples(const shape_case *c, rng *r, size_t count);
 // The volume by the lengths of random chords, and `contains` by the parity of crossings.
 void check_volume(const shape_case *c, rng *r, size_t count);
-// No random point of the surface (by sampling) is nearer than closest_point's, which is its own closest point.
+// No random point of the surface (by sampling) is nearer than closest_point's, which is its own closest
+// point.
 void check_closest_point(const shape_case *c, rng *r, size_t count);
 
 #endif
