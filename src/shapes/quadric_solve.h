@@ -42,6 +42,12 @@ sagi_spans sagi_quadric_spans(const sagi_quadric_form *form, const sag_ray *ray)
 // The sign of F at a point (finite): exact up to the 400 bits of the coefficients.
 int sagi_quadric_sign(const sagi_quadric_form *form, sag_vec3 point);
 
+// position, position_error and geometric_normal (the gradient's direction) of the point of the surface
+// nearest to a point that is on it but for rounding: that of the ray at t, or `point`.
+void sagi_quadric_place_hit(const sagi_quadric_form *form, const sag_ray *ray, double t,
+                            sag_surface *surface);
+void sagi_quadric_place_point(const sagi_quadric_form *form, sag_vec3 point, sag_surface *surface);
+
 // 0 for a size within 2^±40, else its binary exponent.
 int sagi_size_exponent(double size);
 

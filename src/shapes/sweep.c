@@ -26,3 +26,19 @@ sag_status sagi_sweep_validate(sag_error *error, const char *shape, double phi_m
     if (phi_max_rad >= 0 && phi_max_rad <= SAGI_TWO_PI * (1 + 0x1p-22)) return SAG_OK;
     return sagi_invalid(error, shape, "phi_max_rad", phi_max_rad, "must be from 0 to 2 pi");
 }
+
+sag_status sagi_check_interval(sag_error *error, const char *shape, double z_min, double z_max) {
+    if (!sagi_is_coordinate(z_min))
+        return sagi_invalid(error, shape, "z_min", z_min, "must be finite and at most 2^100");
+    if (!sagi_is_coordinate(z_max))
+        return sagi_invalid(error, shape, "z_max", z_max, "must be finite and at most 2^100");
+    if (z_min < z_max) return SAG_OK;
+    return sag_error_set(error, SAG_ERROR_GEOMETRY, "%s: z_min %.17g must be less than z_max %.17g", shape,
+                         z_min, z_max);
+}
+
+sag_status sagi_check_closed(sag_error *error, const char *shape, bool closed, double phi_max_rad) {
+    if (!closed || sagi_sweep_is_full(phi_max_rad)) return SAG_OK;
+    return sagi_invalid(error, shape, "phi_max_rad", phi_max_rad,
+                        "must be a full turn (0 or 2 pi) for a closed shape");
+}

@@ -33,5 +33,9 @@ sag_box3 sagi_sweep_bounds(double phi_max_rad, double radius, double z_min, doub
 
 // SAG_OK when phi_max_rad is in [0, 2π], else the message. `shape` names it.
 sag_status sagi_sweep_validate(sag_error *error, const char *shape, double phi_max_rad);
+// SAG_OK when both are coordinates and z_min < z_max.
+sag_status sagi_check_interval(sag_error *error, const char *shape, double z_min, double z_max);
+// SAG_OK unless a closed shape is swept partly.
+sag_status sagi_check_closed(sag_error *error, const char *shape, bool closed, double phi_max_rad);
 
 #endif

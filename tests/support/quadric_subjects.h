@@ -8,6 +8,13 @@
 
 typedef union any_quadric {
     sag_sphere sphere;
+    sag_ellipsoid ellipsoid;
+    sag_cylinder cylinder;
+    sag_cone cone;
+    sag_paraboloid paraboloid;
+    sag_hyperboloid hyperboloid;
+    sag_hyperboloid2 hyperboloid2;
+    sag_quadric quadric;
 } any_quadric;
 
 typedef struct quadric_subject {

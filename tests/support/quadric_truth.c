@@ -31,7 +31,7 @@ void quadric_truth_clear(quadric_truth *w) {
 
 void quadric_truth_reset(quadric_truth *w) {
     for (int i = 0; i < 10; i++) mpfr_set_zero(w->q[i], 1);
-    w->center = (sag_vec3){0, 0, 0};
+    w->center = w->slab_center = (sag_vec3){0, 0, 0};
     for (int i = 0; i < 3; i++) w->lo[i] = -INFINITY, w->hi[i] = INFINITY;
     w->phi_max = 0;
     w->closed = false;
@@ -126,7 +126,10 @@ static int compare(double t, double edge) {
 // answer.
 static bool plane_t(quadric_truth *w, int axis, double at, double *t) {
     if (mpfr_zero_p(w->d[axis])) return false;
-    mpfr_d_sub(w->x, at, w->o[axis], RN);
+    mpfr_set_d(w->x, at, RN);
+    mpfr_add_d(w->x, w->x, sag_component(w->slab_center, axis), RN);
+    mpfr_sub_d(w->x, w->x, sag_component(w->center, axis), RN);
+    mpfr_sub(w->x, w->x, w->o[axis], RN);
     mpfr_div(w->x, w->x, w->d[axis], RN);
     *t = mpfr_get_d(w->x, RN);
     return true;
@@ -139,7 +142,9 @@ static int slabs(quadric_truth *w, double t, int skip) {
         if (axis == skip || (isinf(w->lo[axis]) && isinf(w->hi[axis]))) continue;
         double t0, t1;
         if (!plane_t(w, axis, w->lo[axis], &t0) || !plane_t(w, axis, w->hi[axis], &t1)) {
-            if (mpfr_cmp_d(w->o[axis], w->lo[axis]) < 0 || mpfr_cmp_d(w->o[axis], w->hi[axis]) > 0) return -1;
+            mpfr_add_d(w->x, w->o[axis], sag_component(w->center, axis), RN);
+            mpfr_sub_d(w->x, w->x, sag_component(w->slab_center, axis), RN);
+            if (mpfr_cmp_d(w->x, w->lo[axis]) < 0 || mpfr_cmp_d(w->x, w->hi[axis]) > 0) return -1;
             continue;
         }
         if (t0 > t1) {

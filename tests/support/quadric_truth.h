@@ -13,7 +13,7 @@
 // perhaps closed by the parts of the two z planes with F ≤ 0.
 typedef struct quadric_truth {
     mpfr_t q[10]; // a b c d e f g h i j, as in sag_quadric
-    sag_vec3 center;
+    sag_vec3 center, slab_center;
     double lo[3], hi[3];
     double phi_max; // 0: full
     bool closed;
