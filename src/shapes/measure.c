@@ -7,7 +7,7 @@
 // products' absolute sum (ε = 2⁻⁵³: differences, product, difference); where that is more than 2⁻⁴⁰ of the
 // result, expansions give it to the last bit, so that no sign is ever wrong and a triangle counts as having
 // no area only when it has none.
-#include "math/real.h"
+#include "math/real3.h"
 #include "shapes/common.h"
 #include "shapes/triangle.h"
 #include "shapes/vector_expansion.h"
@@ -63,25 +63,6 @@ bool sag_barycentric_2d(sag_vec2 p, sag_vec2 a, sag_vec2 b, sag_vec2 c, double w
     return true;
 }
 
-typedef struct real3 {
-    sagi_real x, y, z;
-} real3;
-
-static real3 real3_diff(sag_vec3 a, sag_vec3 b) {
-    return (real3){sagi_real_from_diff(a.x, b.x), sagi_real_from_diff(a.y, b.y),
-                   sagi_real_from_diff(a.z, b.z)};
-}
-static sagi_real real_det(const sagi_real *a, const sagi_real *b, const sagi_real *c, const sagi_real *d) {
-    return sagi_real_sub(sagi_real_mul(*a, *d), sagi_real_mul(*b, *c));
-}
-static real3 real3_cross(const real3 *a, const real3 *b) {
-    return (real3){real_det(&a->y, &a->z, &b->y, &b->z), real_det(&a->z, &a->x, &b->z, &b->x),
-                   real_det(&a->x, &a->y, &b->x, &b->y)};
-}
-static sagi_real real3_dot(const real3 *a, const real3 *b) {
-    sagi_real xy = sagi_real_add(sagi_real_mul(a->x, b->x), sagi_real_mul(a->y, b->y));
-    return sagi_real_add(xy, sagi_real_mul(a->z, b->z));
-}
 static double real_quotient(sagi_real a, sagi_real b) {
     sagi_real q = sagi_real_div(a, b);
     return sagi_real_to_double(&q);
@@ -109,12 +90,11 @@ bool sag_barycentric_3d(sag_vec3 p, sag_vec3 a, sag_vec3 b, sag_vec3 c, double w
         weights[0] = 1 - weights[1] - weights[2];
         return true;
     }
-    real3 x = real3_diff(scaled_down(b, exponent), scaled_down(a, exponent)); // a needle
-    real3 y = real3_diff(scaled_down(c, exponent), scaled_down(a, exponent));
-    real3 z = real3_diff(scaled_down(p, exponent), scaled_down(a, exponent));
-    real3 normal = real3_cross(&x, &y), at_b = real3_cross(&z, &y), at_c = real3_cross(&x, &z);
-    sagi_real whole = real3_dot(&normal, &normal), beta = real3_dot(&at_b, &normal);
-    sagi_real gamma = real3_dot(&at_c, &normal);
+    sagi_real3 x = sagi_real3_from_diff(b, a, exponent), y = sagi_real3_from_diff(c, a, exponent); // a needle
+    sagi_real3 z = sagi_real3_from_diff(p, a, exponent), normal = sagi_real3_cross(&x, &y);
+    sagi_real3 at_b = sagi_real3_cross(&z, &y), at_c = sagi_real3_cross(&x, &z);
+    sagi_real whole = sagi_real3_dot(&normal, &normal), beta = sagi_real3_dot(&at_b, &normal);
+    sagi_real gamma = sagi_real3_dot(&at_c, &normal);
     weights[1] = real_quotient(beta, whole);
     weights[2] = real_quotient(gamma, whole);
     weights[0] = real_quotient(sagi_real_sub(sagi_real_sub(whole, beta), gamma), whole);

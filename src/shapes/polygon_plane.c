@@ -11,7 +11,7 @@
 // chain of k sums to 2⁻¹⁰³ (k + 5) of the absolute values' sum. Where cancellation leaves less than a quarter
 // of an ulp certain (an origin in the plane, a ray along it, a polygon like a needle) 400-bit reals do it
 // again. Everything is scaled by powers of two to the polygon's size first.
-#include "math/real.h"
+#include "math/real3.h"
 #include "shapes/common.h"
 #include "shapes/polygon.h"
 
@@ -80,34 +80,13 @@ static int exponent_of(sag_vec3 a) {
     return largest > 0 ? ilogb(largest) : 0;
 }
 
-typedef struct real3 {
-    sagi_real x[3];
-} real3;
-
-static real3 real3_diff(sag_vec3 a, sag_vec3 b, int exponent) {
-    real3 r = {{sagi_real_from_diff(a.x, b.x), sagi_real_from_diff(a.y, b.y), sagi_real_from_diff(a.z, b.z)}};
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < r.x[k].count; i++) r.x[k].terms[i] = ldexp(r.x[k].terms[i], -exponent);
-    return r;
-}
-
-static sagi_real real3_dot(const real3 *a, const real3 *b) {
-    sagi_real sum = sagi_real_mul(a->x[0], b->x[0]);
-    for (int k = 1; k < 3; k++) sum = sagi_real_add(sum, sagi_real_mul(a->x[k], b->x[k]));
-    return sum;
-}
-
-static real3 real_normal(const sag_polygon *s, int exponent) {
-    real3 normal = {{{0}, {0}, {0}}};
-    real3 last = real3_diff(s->positions[1], s->positions[0], exponent);
+static sagi_real3 real_normal(const sag_polygon *s, int exponent) {
+    sagi_real3 normal = {{0}, {0}, {0}};
+    sagi_real3 last = sagi_real3_from_diff(s->positions[1], s->positions[0], exponent);
     for (uint32_t i = 2; i < s->loop_sizes[0]; i++) {
-        real3 next = real3_diff(s->positions[i], s->positions[0], exponent);
-        for (int k = 0; k < 3; k++) {
-            int x = (k + 1) % 3, y = (k + 2) % 3;
-            sagi_real area =
-                sagi_real_sub(sagi_real_mul(last.x[x], next.x[y]), sagi_real_mul(last.x[y], next.x[x]));
-            normal.x[k] = sagi_real_add(normal.x[k], area);
-        }
+        sagi_real3 next = sagi_real3_from_diff(s->positions[i], s->positions[0], exponent);
+        sagi_real3 area = sagi_real3_cross(&last, &next);
+        normal = sagi_real3_add(&normal, &area);
         last = next;
     }
     return normal;
@@ -115,15 +94,15 @@ static real3 real_normal(const sag_polygon *s, int exponent) {
 
 static double plane_t_real(const sag_polygon *s, const sagi_polygon_plane *plane, const sag_ray *ray,
                            int o_exponent, int d_exponent) {
-    real3 normal = real_normal(s, plane->scale_exponent), way = {{{0}, {0}, {0}}};
+    sagi_real3 normal = real_normal(s, plane->scale_exponent), way = {{0}, {0}, {0}};
     for (uint32_t i = 0; i < s->loop_sizes[0]; i++) {
-        real3 one = real3_diff(s->positions[i], ray->origin, o_exponent);
-        for (int k = 0; k < 3; k++) way.x[k] = sagi_real_add(way.x[k], one.x[k]);
+        sagi_real3 one = sagi_real3_from_diff(s->positions[i], ray->origin, o_exponent);
+        way = sagi_real3_add(&way, &one);
     }
-    real3 d = real3_diff(ray->direction, (sag_vec3){0, 0, 0}, d_exponent);
-    sagi_real denominator = sagi_real_scale(real3_dot(&d, &normal), s->loop_sizes[0]);
+    sagi_real3 d = sagi_real3_from_diff(ray->direction, (sag_vec3){0, 0, 0}, d_exponent);
+    sagi_real denominator = sagi_real_scale(sagi_real3_dot(&d, &normal), s->loop_sizes[0]);
     if (sagi_real_sign(&denominator) == 0) return NAN;
-    sagi_real q = sagi_real_div(real3_dot(&way, &normal), denominator);
+    sagi_real q = sagi_real_div(sagi_real3_dot(&way, &normal), denominator);
     return ldexp(sagi_real_to_double(&q), o_exponent - d_exponent);
 }
 
