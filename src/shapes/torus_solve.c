@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// Ray and torus. Without a root the torus (ρ − R)² + z² = r² is
+//     F(p) = (|p|² + K)² − 4R²(x² + y²) = 0,   K = R² − r²,
+// which is [(ρ − R)² + z² − r²] [(ρ + R)² + z² − r²]: the second factor is the inner sheet of a spindle, and
+// positive everywhere for a ring. F > 0 outside, < 0 within the tube, and > 0 again in the lens of a spindle,
+// so all sheets are roots of one quartic.
+//
+// 1. Everything is scaled by powers of two (R + r and the direction near 1), and the ray's parameter moved to
+//    the point nearest the center, t = t₀ + s with p₀ = o + t₀ d in double-double: a far origin loses
+//    nothing. The slab |z| ≤ r and the sphere |p| ≤ R + r, each r/16 larger, give an interval of s at whose
+//    ends F is certainly positive; most rays that miss end here. In it
+//        |p|² = A s² + 2B s + C,   x² + y² = a s² + 2b s + c
+//    make the quartic's coefficients.
+// 2. quartic.c brackets its roots in doubles, or says that it cannot tell how many there are.
+// 3. Newton with F in double-double: its error is below 2⁻⁹⁸ of M = (|p|²sum + |K|)² + 4R²ρ², which over |F'|
+//    bounds that of t. Enough for a root out of range, or for 2⁻⁵⁴ |t|: done.
+// 4. Else 400 bits: Newton from there for a start on the surface, all of step 2 for tangents. A t below 2⁻²⁵⁰
+//    is a start exactly on the surface: t = 0 (OpenMC #1933, #2053: cutoffs of 1e-10 are wrong for some R).
+#include "math/quartic.h"
+#include "shapes/torus.h"
+
+typedef struct local {
+    sagi_dd p[3]; // p₀
+    double o[3], d[3], t0;
+    double major, minor;
+    sagi_dd k;
+    double t_min, t_max;
+    int exponent; // t = local t · 2^exponent
+    double c[5], sizes[5];
+    double low, high; // of s
+} local;
+
+static void clip(double *low, double *high, double a, double b) {
+    *low = fmax(*low, fmin(a, b)), *high = fmin(*high, fmax(a, b));
+}
+
+// The interval of s near the torus; false when it is empty.
+static bool set_interval(local *l, double aa, double b, double c) {
+    double reach = l->major + l->minor * 1.0625, height = l->minor * 1.0625;
+    // A s² + 2B s + C = reach², with B nearly 0 by the choice of t₀.
+    double rest = reach * reach - c, root = b * b + aa * rest;
+    if (!(root > 0)) return false;
+    root = sqrt(root);
+    l->low = (-b - root) / aa, l->high = (-b + root) / aa;
+    double z = l->p[2].hi, dz = l->d[2];
+    if (fabs(dz) * (l->high - l->low) > 0x1p-20 * height)
+        clip(&l->low, &l->high, (-height - z) / dz, (height - z) / dz);
+    else if (fabs(z + dz * l->low) > height && fabs(z + dz * l->high) > height)
+        return false;
+    return l->low < l->high;
+}
+
+static void set_quartic(local *l, double aa, double b, double c) {
+    double x = l->p[0].hi, y = l->p[1].hi, dx = l->d[0], dy = l->d[1];
+    double k = l->k.hi, r4 = 4 * l->major * l->major;
+    double a2 = dx * dx + dy * dy, b2 = x * dx + y * dy, c2 = x * x + y * y;
+    double b_size = fabs(x * dx) + fabs(y * dy) + fabs(l->p[2].hi * l->d[2]);
+    double q = c + k, q_size = c + fabs(k);
+    l->c[4] = aa * aa;
+    l->c[3] = 4 * aa * b;
+    l->c[2] = 2 * aa * q + 4 * b * b - r4 * a2;
+    l->c[1] = 4 * b * q - 2 * r4 * b2;
+    l->c[0] = q * q - r4 * c2;
+    l->sizes[4] = l->c[4];
+    l->sizes[3] = 4 * aa * b_size;
+    l->sizes[2] = 2 * aa * q_size + 4 * b_size * b_size + r4 * a2;
+    l->sizes[1] = 4 * b_size * q_size + 2 * r4 * (fabs(x * dx) + fabs(y * dy));
+    l->sizes[0] = q_size * q_size + r4 * c2;
+}
+
+// False when the ray certainly misses the neighbourhood of the torus.
+static bool localise(const sag_torus *torus, const sag_ray *ray, local *l) {
+    const double o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
+    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+    int size = ilogb(torus->major_radius + torus->minor_radius);
+    int length = ilogb(sag_max_component(sag_abs(ray->direction)));
+    double shrink = ldexp(1, -size), od = 0, dd = 0;
+    for (int i = 0; i < 3; i++) {
+        l->o[i] = o[i] * shrink, l->d[i] = ldexp(d[i], -length);
+        od += l->o[i] * l->d[i], dd += l->d[i] * l->d[i];
+    }
+    l->major = torus->major_radius * shrink, l->minor = torus->minor_radius * shrink;
+    l->k = sagi_dd_sub(sagi_two_prod(l->major, l->major), sagi_two_prod(l->minor, l->minor));
+    l->exponent = size - length;
+    l->t_min = ldexp(ray->t_min, -l->exponent), l->t_max = ldexp(ray->t_max, -l->exponent);
+    l->t0 = -od / dd;
+    if (!isfinite(l->t0)) return false;
+    double b = 0, c = 0;
+    for (int i = 0; i < 3; i++) {
+        l->p[i] = sagi_dd_add_double(sagi_two_prod(l->t0, l->d[i]), l->o[i]);
+        b += l->p[i].hi * l->d[i], c += l->p[i].hi * l->p[i].hi;
+    }
+    if (!set_interval(l, dd, b, c)) return false;
+    // Rounded to no less than a whole torus of slack, a range elsewhere ends it.
+    double slack = 0x1p-18 * (l->high - l->low) + 0x1p-48 * fabs(l->t0);
+    if (l->t0 + l->high + slack < l->t_min || l->t0 + l->low - slack > l->t_max) return false;
+    set_quartic(l, dd, b, c);
+    return true;
+}
+
+// F at the local t in double-double with its error, and F' in double.
+static double residual(const local *l, sagi_dd t, double *slope, double *slope_error, double *error) {
+    sagi_dd rho2 = {0, 0}, norm2 = {0, 0};
+    double pd = 0, rd = 0, size = 0, reach = 0;
+    for (int i = 0; i < 3; i++) {
+        sagi_dd step = sagi_dd_mul_double(t, l->d[i]), p = sagi_dd_add_double(step, l->o[i]);
+        sagi_dd square = sagi_dd_mul(p, p);
+        norm2 = sagi_dd_add(norm2, square);
+        if (i < 2) rho2 = sagi_dd_add(rho2, square), rd += p.hi * l->d[i];
+        pd += p.hi * l->d[i];
+        size += fabs(p.hi), reach = fmax(reach, fabs(step.hi) + fabs(l->o[i]));
+    }
+    sagi_dd q = sagi_dd_add(norm2, l->k), r4 = sagi_two_prod(l->major, 4 * l->major);
+    double q_size = norm2.hi + l->major * l->major + l->minor * l->minor;
+    double magnitude = q_size * q_size + r4.hi * rho2.hi;
+    // p itself is off by 2⁻¹⁰³ of |o| + |t d|, which may be much more than |p|.
+    *error = 0x1p-98 * magnitude + 0x1p-100 * reach * (4 * q_size * size + 2 * r4.hi * size);
+    *slope = 4 * q.hi * pd - 2 * r4.hi * rd;
+    *slope_error = 0x1p-48 * (4 * q_size + 2 * r4.hi) * size * 2;
+    return sagi_dd_sub(sagi_dd_mul(q, q), sagi_dd_mul(r4, rho2)).hi;
+}
+
+typedef enum outcome { FOUND, OUT_OF_RANGE, NOT_CERTAIN } outcome;
+
+// Newton in double-double from t; with any_range the range is not looked at.
+static outcome polish(const local *l, sagi_dd t, bool any_range, sagi_cut *cut) {
+    for (int i = 0; i < 6; i++) {
+        double slope, slope_error, error, f = residual(l, t, &slope, &slope_error, &error);
+        if (!(fabs(slope) > 2 * slope_error)) return NOT_CERTAIN;
+        double step = f / slope;
+        t = sagi_dd_add_double(t, -step);
+        // The step is wrong by the error of F and, through that of the slope, by half of itself at most.
+        double left = 2 * error / fabs(slope) + fabs(step) * (slope_error / fabs(slope) + 0x1p-40);
+        if (!(fabs(step) < 0x1p-10)) return NOT_CERTAIN;
+        bool settled = fabs(step) < 0x1p-30 || step == 0;
+        if (!settled) continue;
+        if (!any_range && (t.hi + left < l->t_min || t.hi - left > l->t_max)) return OUT_OF_RANGE;
+        if (left <= 0x1p-54 * fabs(t.hi)) {
+            *cut = (sagi_cut){t, left};
+            return FOUND;
+        }
+    }
+    return NOT_CERTAIN;
+}
+
+static sagi_real real_square(sagi_real a) { return sagi_real_mul(a, a); }
+
+// The quartic in s to 400 bits.
+static void real_quartic(const local *l, sagi_real c[5]) {
+    sagi_real zero = {0}, a2 = zero, b2 = zero, c2 = zero, a3 = zero, b3 = zero, c3 = zero;
+    for (int i = 0; i < 3; i++) {
+        sagi_real d = sagi_real_from(l->d[i]);
+        sagi_real p = sagi_real_add(sagi_real_scale(d, l->t0), sagi_real_from(l->o[i]));
+        a3 = sagi_real_add(a3, real_square(d));
+        b3 = sagi_real_add(b3, sagi_real_mul(p, d));
+        c3 = sagi_real_add(c3, real_square(p));
+        if (i == 1) a2 = a3, b2 = b3, c2 = c3;
+    }
+    sagi_real major = sagi_real_from(l->major), minor = sagi_real_from(l->minor);
+    sagi_real k = sagi_real_sub(real_square(major), real_square(minor));
+    sagi_real q = sagi_real_add(c3, k), r4 = sagi_real_scale(real_square(major), 4);
+    c[4] = real_square(a3);
+    c[3] = sagi_real_scale(sagi_real_mul(a3, b3), 4);
+    c[2] = sagi_real_sub(
+        sagi_real_add(sagi_real_scale(sagi_real_mul(a3, q), 2), sagi_real_scale(real_square(b3), 4)),
+        sagi_real_mul(r4, a2));
+    c[1] = sagi_real_sub(sagi_real_scale(sagi_real_mul(b3, q), 4), sagi_real_scale(sagi_real_mul(r4, b2), 2));
+    c[0] = sagi_real_sub(real_square(q), sagi_real_mul(r4, c2));
+}
+
+static sagi_cut cut_at(const local *l, sagi_real s) {
+    sagi_cut cut = sagi_cut_real(sagi_real_add(s, sagi_real_from(l->t0)), sagi_real_from(1));
+    if (fabs(cut.t.hi) < 0x1p-250) cut.t = (sagi_dd){0, 0};
+    return cut;
+}
+
+static bool is_kept(const local *l, double t) { return t >= l->t_min && t <= l->t_max; }
+
+static int solve_exactly(const local *l, int most, sagi_cut cuts[4]) {
+    sagi_real c[5], roots[4];
+    real_quartic(l, c);
+    int n = sagi_quartic_roots_real(c, l->low, l->high, roots), count = 0;
+    for (int i = 0; i < n && count < most; i++) {
+        sagi_cut cut = cut_at(l, roots[i]);
+        if (is_kept(l, cut.t.hi)) cuts[count++] = cut;
+    }
+    return count;
+}
+
+static int solve(const local *l, int most, sagi_cut cuts[4]) {
+    double roots[4], slack = 0x1p-18 * (l->high - l->low) + 0x1p-48 * fabs(l->t0), reach = 0;
+    for (int i = 0; i < 3; i++) reach = fmax(reach, fabs(l->o[i]));
+    int n = reach < 0x1p45 ? sagi_quartic_roots(l->c, l->sizes, l->low, l->high, roots) : -1, count = 0;
+    if (n < 0) return solve_exactly(l, most, cuts);
+    for (int i = 0; i < n && count < most; i++) {
+        double t = l->t0 + roots[i];
+        if (t + slack < l->t_min || t - slack > l->t_max) continue;
+        outcome found = polish(l, sagi_two_sum(l->t0, roots[i]), false, &cuts[count]);
+        if (found == NOT_CERTAIN) {
+            sagi_real c[5], s;
+            real_quartic(l, c);
+            if (!sagi_quartic_polish_real(c, l->high - l->low, roots[i], &s))
+                return solve_exactly(l, most, cuts);
+            cuts[count] = cut_at(l, s), found = FOUND;
+        }
+        count += found == FOUND && is_kept(l, cuts[count].t.hi);
+    }
+    return count;
+}
+
+static void scale_back(sagi_cut *cut, int exponent) {
+    cut->t.hi = ldexp(cut->t.hi, exponent), cut->t.lo = ldexp(cut->t.lo, exponent);
+    cut->error = ldexp(cut->error, exponent);
+}
+
+int sagi_torus_crossings(const sag_torus *torus, const sag_ray *ray, int most, sagi_cut cuts[4]) {
+    local l;
+    if (!localise(torus, ray, &l)) return 0;
+    int count = solve(&l, most, cuts), kept = 0;
+    for (int i = 0; i < count; i++) {
+        scale_back(&cuts[i], l.exponent);
+        if (isfinite(cuts[i].t.hi)) cuts[kept++] = cuts[i];
+    }
+    return kept;
+}
+
+sagi_cut sagi_torus_refine(const sag_torus *torus, const sag_ray *ray, double t) {
+    local l;
+    sagi_cut cut;
+    if (localise(torus, ray, &l) && polish(&l, (sagi_dd){ldexp(t, -l.exponent), 0}, true, &cut) == FOUND) {
+        scale_back(&cut, l.exponent);
+        if (fabs(cut.t.hi - t) <= 0x1p-50 * fabs(t)) return cut;
+    }
+    return (sagi_cut){{t, 0}, 0x1p-52 * fabs(t)};
+}
