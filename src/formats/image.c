@@ -91,8 +91,30 @@ void sagi_image_decode_row(const sagi_image_source *source, const void *row, int
     }
 }
 
-static bool starts_with(const sagi_file *file, const char *magic, size_t length) {
-    return file->size >= length && memcmp(file->bytes, magic, length) == 0;
+static bool starts_with(const sagi_image_source *source, const char *magic, size_t length) {
+    return source->size >= length && memcmp(source->bytes, magic, length) == 0;
+}
+
+sag_status sagi_image_decode(const sagi_image_source *source, sag_image *image, sag_error *error) {
+    sag_status status;
+    sag_image made = {0};
+    if (source->size == 0)
+        status = sag_error_set_at(error, SAG_ERROR_FORMAT, source->path, 0, 0, "the image file is empty");
+    else if (starts_with(source, "\x89PNG", 4))
+        status = sagi_png_read(source, &made, error);
+    else if (starts_with(source, "\xff\xd8\xff", 3))
+        status = sagi_jpeg_read(source, &made, error);
+    else if (starts_with(source, "\x76\x2f\x31\x01", 4))
+        status = sagi_exr_read(source, &made, error);
+    else if (starts_with(source, "PF", 2) || starts_with(source, "Pf", 2))
+        status = sagi_pfm_read(source, &made, error);
+    else
+        status = sagi_stb_read(source, &made, error);
+    if (status == SAG_OK)
+        *image = made;
+    else
+        sag_image_clear(source->context, &made);
+    return status;
 }
 
 sag_status sag_image_read(const sag_context *context, const char *path, sag_encoding encoding,
@@ -101,24 +123,8 @@ sag_status sag_image_read(const sag_context *context, const char *path, sag_enco
     sag_status status = sagi_file_open(context, path, &file, error);
     if (status != SAG_OK) return status;
     const sagi_image_source source = {context, path, file.bytes, file.size, encoding};
-    sag_image made = {0};
-    if (file.size == 0)
-        status = sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "the image file is empty");
-    else if (starts_with(&file, "\x89PNG", 4))
-        status = sagi_png_read(&source, &made, error);
-    else if (starts_with(&file, "\xff\xd8\xff", 3))
-        status = sagi_jpeg_read(&source, &made, error);
-    else if (starts_with(&file, "\x76\x2f\x31\x01", 4))
-        status = sagi_exr_read(&source, &made, error);
-    else if (starts_with(&file, "PF", 2) || starts_with(&file, "Pf", 2))
-        status = sagi_pfm_read(&source, &made, error);
-    else
-        status = sagi_stb_read(&source, &made, error);
+    status = sagi_image_decode(&source, image, error);
     sagi_file_close(&file);
-    if (status == SAG_OK)
-        *image = made;
-    else
-        sag_image_clear(context, &made);
     return status;
 }
 

@@ -16,6 +16,9 @@ typedef struct sagi_image_source {
     sag_encoding encoding;
 } sagi_image_source;
 
+// Decodes a whole file in memory, whatever the format (image.c).
+sag_status sagi_image_decode(const sagi_image_source *source, sag_image *image, sag_error *error);
+
 sag_status sagi_png_read(const sagi_image_source *source, sag_image *image, sag_error *error);
 sag_status sagi_jpeg_read(const sagi_image_source *source, sag_image *image, sag_error *error);
 sag_status sagi_exr_read(const sagi_image_source *source, sag_image *image, sag_error *error);

@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: MIT
+// Models in other formats than pbrt's: PLY by our own reader, the rest through Assimp's C interface. Assimp
+// is asked to cut polygons into triangles and for nothing else, so that primitives stay in the file's order
+// and nothing is joined, dropped or moved. A mesh that several nodes show becomes one object and its
+// instances.
+//
+// Assimp reads a file whole before it looks at it and takes noise for text, so what cannot be a file of the
+// format its name promises is refused beforehand.
+#include "formats/import.h"
+
+#include "formats/file.h"
+#include "formats/image.h"
+#include "formats/output.h"
+
+#include <assimp/cimport.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#define MAX_NODE_DEPTH 1024
+
+typedef struct importer {
+    sag_world *world;
+    const sag_context *context;
+    const sagi_load_options *options;
+    const char *path;
+    char directory[SAGI_MAX_PATH];
+    sag_error *error;
+    const struct aiScene *scene;
+    sag_affine upright;  // turns the file's up to y
+    uint32_t *uses;      // how many nodes show each mesh
+    sag_scene **objects; // of each mesh shown more than once
+    uint32_t *materials; // the world's id of each material
+    uint64_t triangle_count;
+} importer;
+
+static sag_status out_of_memory(const importer *m) {
+    return sag_error_set_at(m->error, SAG_ERROR_MEMORY, m->path, 0, 0, "out of memory loading the model");
+}
+
+// ---- what a file is
+
+static const char *ending_of(const char *path) {
+    const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+    return dot && (!slash || dot > slash) ? dot : "";
+}
+
+static bool is_text(const sagi_file *file) {
+    const size_t n = file->size < 4096 ? file->size : 4096;
+    for (size_t i = 0; i < n; i++) {
+        const uint8_t c = file->bytes[i];
+        if (c < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f') return false;
+    }
+    return true;
+}
+
+static bool begins(const sagi_file *file, const char *magic) {
+    return file->size >= strlen(magic) && memcmp(file->bytes, magic, strlen(magic)) == 0;
+}
+
+// Whether the content may be of the format the name promises.
+static bool is_plausible(const sagi_file *file, const char *ending) {
+    static const char *const text[] = {".obj", ".off", ".gltf", ".dae", ".x3d", ".wrl",
+                                       ".ac",  ".ase", ".nff",  ".smd", ".raw", ".xml"};
+    for (size_t i = 0; i < sizeof text / sizeof *text; i++)
+        if (strcasecmp(ending, text[i]) == 0) return is_text(file);
+    if (strcasecmp(ending, ".stl") == 0) {
+        if (file->size < 84) return begins(file, "solid") && is_text(file);
+        const uint8_t *n = file->bytes + 80;
+        const uint64_t count = n[0] | (uint64_t)n[1] << 8 | (uint64_t)n[2] << 16 | (uint64_t)n[3] << 24;
+        return 84 + 50 * count <= file->size || (begins(file, "solid") && is_text(file));
+    }
+    if (strcasecmp(ending, ".glb") == 0) return begins(file, "glTF");
+    if (strcasecmp(ending, ".fbx") == 0) return begins(file, "Kaydara FBX Binary") || is_text(file);
+    if (strcasecmp(ending, ".3ds") == 0) return begins(file, "MM");
+    if (strcasecmp(ending, ".blend") == 0) return begins(file, "BLENDER");
+    if (strcasecmp(ending, ".3mf") == 0) return begins(file, "PK");
+    return true;
+}
+
+static sag_status check_file(const importer *m) {
+    const char *ending = ending_of(m->path);
+    sagi_file file;
+    const sag_status status = sagi_file_open(m->context, m->path, &file, m->error);
+    if (status != SAG_OK) return status;
+    const bool plausible = is_plausible(&file, ending), empty = file.size == 0;
+    sagi_file_close(&file);
+    if (!ending[0] || !aiIsExtensionSupported(ending))
+        return sag_error_set_at(
+            m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
+            "unknown kind of scene \"%.20s\": .pbrt, .ply, .obj, .stl, .gltf, .glb, .fbx … can be read",
+            ending);
+    if (empty) return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0, "the file is empty");
+    if (!plausible)
+        return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
+                                "the content is not that of a %.20s file", ending);
+    return SAG_OK;
+}
+
+// ---- materials
+
+static sag_texture_id add_texture(const importer *m, const struct aiString *name) {
+    const struct aiTexture *embedded = NULL;
+    if (name->data[0] == '*') {
+        unsigned index = 0;
+        for (const char *p = name->data + 1; *p >= '0' && *p <= '9' && index < 1000000; p++)
+            index = 10 * index + (unsigned)(*p - '0');
+        if (index < m->scene->mNumTextures) embedded = m->scene->mTextures[index];
+    }
+    sag_texture texture = {.kind = SAG_TEXTURE_IMAGE};
+    sag_error error;
+    sag_status status;
+    char path[SAGI_MAX_PATH];
+    const int length =
+        snprintf(path, sizeof path, "%s%s", name->data[0] == '/' ? "" : m->directory, name->data);
+    for (char *p = path; *p; p++)
+        if (*p == '\\') *p = '/';
+    if (embedded && embedded->mHeight == 0) {
+        const sagi_image_source source = {m->context, m->path, (const uint8_t *)embedded->pcData,
+                                          embedded->mWidth, SAG_ENCODING_DEFAULT};
+        status = sagi_image_decode(&source, &texture.image, &error);
+    } else if (length < 0 || (size_t)length >= sizeof path || name->data[0] == '*') {
+        return 0;
+    } else {
+        status = sag_image_read(m->context, path, SAG_ENCODING_DEFAULT, &texture.image, &error);
+    }
+    if (status == SAG_OK) return sag_world_add_texture(m->world, &texture);
+    sag_context_log(m->context, SAG_LOG_WARNING, "%s: warning: texture %s: %s", m->path, name->data,
+                    error.message);
+    return 0;
+}
+
+static bool get_color(const struct aiMaterial *material, const char *key, unsigned type, unsigned index,
+                      sag_rgb *rgb) {
+    struct aiColor4D c;
+    if (aiGetMaterialColor(material, key, type, index, &c) != aiReturn_SUCCESS) return false;
+    *rgb = (sag_rgb){(double)c.r, (double)c.g, (double)c.b};
+    return true;
+}
+
+static double get_number(const struct aiMaterial *material, const char *key, unsigned type, unsigned index,
+                         double otherwise) {
+    float value;
+    unsigned count = 1;
+    return aiGetMaterialFloatArray(material, key, type, index, &value, &count) == aiReturn_SUCCESS
+               ? (double)value
+               : otherwise;
+}
+
+static sag_input constant(double x) { return (sag_input){.value = {x, x, x}}; }
+
+// The nearest of our materials: glass when it lets light through, metal when it says so, plastic for the
+// materials of glTF, else diffuse. glTF's roughness r is α = r².
+static uint32_t add_material(const importer *m, const struct aiMaterial *from) {
+    sag_material material = {.kind = SAG_MATERIAL_DIFFUSE};
+    sag_rgb color = {0.6, 0.6, 0.6};
+    struct aiString name;
+    const bool named = aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS;
+    const bool has_color =
+        get_color(from, AI_MATKEY_BASE_COLOR, &color) || get_color(from, AI_MATKEY_COLOR_DIFFUSE, &color);
+    if (!has_color || (named && strcmp(name.data, "DefaultMaterial") == 0))
+        return sagi_default_material(m->world);
+    const double opacity = get_number(from, AI_MATKEY_OPACITY, 1),
+                 transmission = get_number(from, AI_MATKEY_TRANSMISSION_FACTOR, 0);
+    const double metallic = get_number(from, AI_MATKEY_METALLIC_FACTOR, -1),
+                 roughness = get_number(from, AI_MATKEY_ROUGHNESS_FACTOR, 0.5);
+    material.reflectance.value = color;
+    if (aiGetMaterialTexture(from, aiTextureType_BASE_COLOR, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
+            aiReturn_SUCCESS ||
+        aiGetMaterialTexture(from, aiTextureType_DIFFUSE, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
+            aiReturn_SUCCESS)
+        material.reflectance.texture = add_texture(m, &name);
+    if (transmission > 0.5 || opacity < 0.5) {
+        const double index = get_number(from, AI_MATKEY_REFRACTI, 1.5);
+        material.kind = SAG_MATERIAL_DIELECTRIC;
+        material.eta = constant(index > 1 && index < 4 ? index : 1.5);
+    } else if (metallic > 0.5) {
+        material.kind = SAG_MATERIAL_CONDUCTOR;
+        material.roughness_u = material.roughness_v = constant(roughness * roughness);
+    } else if (metallic >= 0 && roughness < 0.9) {
+        material.kind = SAG_MATERIAL_COATED_DIFFUSE;
+        material.eta = constant(1.5);
+        material.roughness_u = material.roughness_v = constant(roughness * roughness);
+    }
+    return sag_world_add_material(m->world, &material);
+}
+
+// ---- meshes
+
+static bool copy_mesh(const struct aiMesh *from, sagi_mesh_data *data, const sag_context *context) {
+    const size_t n = from->mNumVertices;
+    *data = (sagi_mesh_data){.context = context, .vertex_count = from->mNumVertices};
+    data->positions_f32 = sag_allocate(context, 3 * n * sizeof(float));
+    if (from->mNormals) data->normals = sag_allocate(context, 3 * n * sizeof(float));
+    if (from->mTextureCoords[0]) data->texcoords = sag_allocate(context, 2 * n * sizeof(float));
+    if (!data->positions_f32 || (from->mNormals && !data->normals) ||
+        (from->mTextureCoords[0] && !data->texcoords))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        const struct aiVector3D p = from->mVertices[i];
+        data->positions_f32[3 * i] = p.x, data->positions_f32[3 * i + 1] = p.y,
+                                data->positions_f32[3 * i + 2] = p.z;
+        if (from->mNormals) {
+            const struct aiVector3D q = from->mNormals[i];
+            data->normals[3 * i] = q.x, data->normals[3 * i + 1] = q.y, data->normals[3 * i + 2] = q.z;
+        }
+        if (from->mTextureCoords[0]) {
+            const struct aiVector3D q = from->mTextureCoords[0][i];
+            data->texcoords[2 * i] = q.x, data->texcoords[2 * i + 1] = q.y;
+        }
+    }
+    for (size_t i = 0; i < from->mNumFaces; i++) {
+        const struct aiFace *face = &from->mFaces[i];
+        if (face->mNumIndices == 3 &&
+            !sagi_mesh_data_add(data, face->mIndices[0], face->mIndices[1], face->mIndices[2]))
+            return false;
+    }
+    return true;
+}
+
+// Adds mesh number i to a scene, placed by the map.
+static sag_status add_mesh(importer *m, unsigned i, sag_scene *scene, const sag_affine *placed) {
+    const struct aiMesh *from = m->scene->mMeshes[i];
+    sagi_mesh_data data;
+    if (!copy_mesh(from, &data, m->context)) {
+        sagi_mesh_data_clear(&data);
+        return out_of_memory(m);
+    }
+    sag_status status = SAG_OK;
+    if (data.triangle_count > 0) {
+        m->triangle_count += data.triangle_count;
+        sag_appearance look = {0};
+        if (!m->options->geometry_only) {
+            look.material = m->materials[from->mMaterialIndex];
+            // Lights that stand in several places are not possible.
+            if (scene == sag_world_scene(m->world))
+                get_color(m->scene->mMaterials[from->mMaterialIndex], AI_MATKEY_COLOR_EMISSIVE,
+                          &look.emission);
+        }
+        status = sagi_import_add(m->world, m->options, scene, &data,
+                                 from->mName.length ? from->mName.data : m->path, &look, placed, m->error);
+    }
+    sagi_mesh_data_clear(&data);
+    return status;
+}
+
+static sag_affine affine_of(const struct aiMatrix4x4 *a) {
+    const sag_affine r = {{{(double)a->a1, (double)a->a2, (double)a->a3, (double)a->a4},
+                           {(double)a->b1, (double)a->b2, (double)a->b3, (double)a->b4},
+                           {(double)a->c1, (double)a->c2, (double)a->c3, (double)a->c4}}};
+    return r;
+}
+
+// Shows mesh i once more: as itself, or as an instance when several nodes show it.
+static sag_status show_mesh(importer *m, unsigned i, const sag_affine *placed) {
+    sag_scene *world_scene = sag_world_scene(m->world);
+    if (m->uses[i] == 1) return add_mesh(m, i, world_scene, placed);
+    if (!m->objects[i]) {
+        m->objects[i] = sag_world_add_object(m->world);
+        if (!m->objects[i]) return out_of_memory(m);
+        const sag_affine identity = sag_affine_identity();
+        sag_status status = add_mesh(m, i, m->objects[i], &identity);
+        if (status == SAG_OK) status = sag_scene_commit(m->objects[i], m->error);
+        if (status != SAG_OK) return status;
+    }
+    return sag_add_instance(world_scene, m->objects[i], placed) != SAG_INVALID_ID ? SAG_OK : out_of_memory(m);
+}
+
+// Visits all nodes, parents first, with a stack of its own: how deep a file nests its nodes is its affair.
+typedef struct visit {
+    const struct aiNode *node;
+    unsigned next_child;
+    sag_affine to_world;
+} visit;
+
+static sag_status walk(importer *m, bool counting) {
+    visit *stack = sag_allocate(m->context, MAX_NODE_DEPTH * sizeof *stack);
+    if (!stack) return out_of_memory(m);
+    int depth = 0;
+    sag_status status = SAG_OK;
+    stack[depth++] = (visit){m->scene->mRootNode, 0, m->upright};
+    for (bool arrived = true; depth > 0 && status == SAG_OK;) {
+        visit *v = &stack[depth - 1];
+        if (arrived) {
+            const sag_affine here = affine_of(&v->node->mTransformation);
+            v->to_world = sag_affine_multiply(&v->to_world, &here);
+            for (unsigned k = 0; k < v->node->mNumMeshes && status == SAG_OK; k++) {
+                const unsigned i = v->node->mMeshes[k];
+                if (counting)
+                    m->uses[i]++;
+                else
+                    status = show_mesh(m, i, &v->to_world);
+            }
+        }
+        arrived = v->next_child < v->node->mNumChildren;
+        if (!arrived) {
+            depth--;
+        } else if (depth == MAX_NODE_DEPTH) {
+            status = sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
+                                      "nodes nest more than %d deep", MAX_NODE_DEPTH);
+        } else {
+            stack[depth++] = (visit){v->node->mChildren[v->next_child++], 0, v->to_world};
+        }
+    }
+    sag_release(m->context, stack, MAX_NODE_DEPTH * sizeof *stack);
+    return status;
+}
+
+static sag_status import_scene(importer *m) {
+    const unsigned meshes = m->scene->mNumMeshes, materials = m->scene->mNumMaterials;
+    if (meshes == 0 || !m->scene->mRootNode)
+        return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0, "there are no triangles in it");
+    const size_t sizes[3] = {meshes * sizeof *m->uses, meshes * sizeof *m->objects,
+                             (materials ? materials : 1) * sizeof *m->materials};
+    m->uses = sag_allocate(m->context, sizes[0]);
+    m->objects = sag_allocate(m->context, sizes[1]);
+    m->materials = sag_allocate(m->context, sizes[2]);
+    sag_status status = out_of_memory(m);
+    if (m->uses && m->objects && m->materials) {
+        memset(m->uses, 0, sizes[0]);
+        memset(m->objects, 0, sizes[1]);
+        memset(m->materials, 0, sizes[2]);
+        for (unsigned i = 0; i < materials && !m->options->geometry_only; i++)
+            m->materials[i] = add_material(m, m->scene->mMaterials[i]);
+        status = walk(m, true);
+        if (status == SAG_OK) status = walk(m, false);
+        if (status == SAG_OK && m->triangle_count == 0)
+            status =
+                sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0, "there are no triangles in it");
+    }
+    sag_release(m->context, m->uses, sizes[0]);
+    sag_release(m->context, m->objects, sizes[1]);
+    sag_release(m->context, m->materials, sizes[2]);
+    return status;
+}
+
+sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_options *options,
+                            const sag_affine *upright, sag_error *error) {
+    importer m = {.world = world,
+                  .context = sag_world_context(world),
+                  .options = options,
+                  .path = path,
+                  .error = error,
+                  .upright = *upright};
+    const char *slash = strrchr(path, '/');
+    snprintf(m.directory, sizeof m.directory, "%.*s", slash ? (int)(slash - path) + 1 : 0, path);
+    sag_status status = check_file(&m);
+    if (status != SAG_OK) return status;
+    m.scene = aiImportFile(path, aiProcess_Triangulate);
+    if (!m.scene) {
+        const char *reason = aiGetErrorString();
+        return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "cannot read: %.400s",
+                                reason && reason[0] ? reason : "unknown reason");
+    }
+    status = import_scene(&m);
+    aiReleaseImport(m.scene);
+    return status;
+}

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+// Shapes with arrays in a pbrt scene: meshes of triangles or bilinear patches, polygons, sets of spheres.
+// Points written in the file are kept in double precision, those of a PLY file in the precision they have
+// there. A vertex that is no number stays: the scene drops its triangles and counts them.
+#include "formats/pbrt_shape.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// The mesh's area after the transform, for lights given by power.
+static double placed_area(const sagi_pbrt *p, const sagi_mesh_data *mesh) {
+    double area = 0;
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        sag_vec3 v[3];
+        for (int k = 0; k < 3; k++) {
+            const size_t at = 3 * (size_t)mesh->triangles[3 * i + (size_t)k];
+            const sag_vec3 q =
+                mesh->positions_f64
+                    ? sag_vec3_make(mesh->positions_f64[at], mesh->positions_f64[at + 1],
+                                    mesh->positions_f64[at + 2])
+                    : sag_vec3_make((double)mesh->positions_f32[at], (double)mesh->positions_f32[at + 1],
+                                    (double)mesh->positions_f32[at + 2]);
+            v[k] = sag_affine_point(&p->state.ctm, q);
+        }
+        const double twice = sag_length(sag_cross(sag_sub(v[1], v[0]), sag_sub(v[2], v[0])));
+        if (isfinite(twice)) area += twice / 2;
+    }
+    return area;
+}
+
+// Tells the listener, adds, and frees.
+static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *name) {
+    const sag_mesh mesh = sagi_mesh_data_view(data);
+    if (p->options->on_mesh) p->options->on_mesh(p->options->user, name, &mesh);
+    const double area = p->state.area_light.power > 0 ? placed_area(p, data) : 0;
+    const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, area, &p->state.ctm);
+    sagi_mesh_data_clear(data);
+    return status;
+}
+
+sag_status sagi_pbrt_plymesh(sagi_pbrt *p) {
+    char name[SAGI_MAX_PATH], path[SAGI_MAX_PATH];
+    sagi_params_string(&p->params, "filename", "", name, sizeof name);
+    sagi_pbrt_ignore(p, "displacement", "is not supported");
+    sagi_pbrt_ignore(p, "edgelength", NULL);
+    if (p->params.status != SAG_OK) return p->params.status;
+    if (!name[0]) return sagi_params_fail(&p->params, NULL, "its \"string filename\" is missing");
+    sagi_pbrt_path(p, name, path);
+    sagi_mesh_data data = {.context = p->context};
+    sag_error reason;
+    const sag_status status = sagi_ply_read(p->context, path, &data, &reason);
+    if (status == SAG_OK) return finish_mesh(p, &data, path);
+    if (status == SAG_ERROR_IO) // the place of the name is what helps
+        sagi_params_fail(&p->params, sagi_params_find(&p->params, "filename", ~0u), "%.250s: %.120s", path,
+                         reason.message);
+    else
+        *p->error = reason;
+    p->error->status = status;
+    return status;
+}
+
+// Copies an array of the parameter list as floats; NULL when it is not there. Its length must be `group` for
+// each vertex.
+static sag_status copy_floats(sagi_pbrt *p, const char *name, unsigned types, size_t group,
+                              size_t vertex_count, float **out) {
+    size_t count;
+    const double *numbers = sagi_params_numbers(&p->params, name, types, group, &count);
+    if (p->params.status != SAG_OK || count == 0) return p->params.status;
+    if (count != group * vertex_count)
+        return sagi_params_fail(&p->params, sagi_params_find(&p->params, name, ~0u),
+                                "%zu of \"%s\" for %zu of \"P\"", count / group, name, vertex_count);
+    *out = sag_allocate(p->context, count * sizeof(float));
+    if (!*out) return sagi_pbrt_out_of_memory(p);
+    for (size_t i = 0; i < count; i++) (*out)[i] = (float)numbers[i];
+    return SAG_OK;
+}
+
+// Reads P, N, uv and checks the indices; `corners` of them make a face. Without indices the points are one
+// face.
+static sag_status read_arrays(sagi_pbrt *p, size_t corners, sagi_mesh_data *data, const double **indices,
+                              size_t *index_count) {
+    sagi_params *params = &p->params;
+    size_t count;
+    const double *positions = sagi_params_numbers(params, "P", SAGI_TYPE_POINT3, 3, &count);
+    if (params->status != SAG_OK) return params->status;
+    if (count == 0) return sagi_params_fail(params, NULL, "its \"point3 P\" is missing or empty");
+    if (count / 3 > UINT32_MAX) return sagi_params_fail(params, NULL, "more than 2³² points");
+    *indices = sagi_params_numbers(params, "indices", SAGI_TYPE_INTEGER, corners, index_count);
+    if (params->status != SAG_OK) return params->status;
+    const sagi_param *given = sagi_params_find(params, "indices", ~0u);
+    if (!given && count / 3 != corners)
+        return sagi_params_fail(params, NULL, "its \"integer indices\" are missing");
+    if (given && *index_count == 0)
+        return sagi_params_fail(params, given, "\"indices\" is empty: the mesh has no faces");
+    for (size_t i = 0; i < *index_count; i++)
+        if (!((*indices)[i] >= 0 && (*indices)[i] < (double)(count / 3)))
+            return sagi_params_fail(params, given, "indices[%zu] is %.0f, but there are %zu points", i,
+                                    (*indices)[i], count / 3);
+    data->vertex_count = (uint32_t)(count / 3);
+    data->positions_f64 = sag_allocate(p->context, count * sizeof(double));
+    if (!data->positions_f64) return sagi_pbrt_out_of_memory(p);
+    memcpy(data->positions_f64, positions, count * sizeof(double));
+    sag_status status =
+        copy_floats(p, "N", SAGI_TYPE_NORMAL | SAGI_TYPE_VECTOR3, 3, count / 3, &data->normals);
+    if (status == SAG_OK)
+        status = copy_floats(p, "uv", SAGI_TYPE_POINT2 | SAGI_TYPE_VECTOR2 | SAGI_TYPE_FLOAT, 2, count / 3,
+                             &data->texcoords);
+    return status;
+}
+
+static sag_status read_triangles(sagi_pbrt *p, sagi_mesh_data *data) {
+    const double *indices;
+    size_t count;
+    const sag_status status = read_arrays(p, 3, data, &indices, &count);
+    if (status != SAG_OK) return status;
+    if (count == 0 && !sagi_mesh_data_add(data, 0, 1, 2)) return sagi_pbrt_out_of_memory(p);
+    for (size_t i = 0; i < count; i += 3)
+        if (!sagi_mesh_data_add(data, (uint32_t)indices[i], (uint32_t)indices[i + 1],
+                                (uint32_t)indices[i + 2]))
+            return sagi_pbrt_out_of_memory(p);
+    return SAG_OK;
+}
+
+sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p) {
+    sagi_mesh_data data = {.context = p->context};
+    const sag_status status = read_triangles(p, &data);
+    sagi_pbrt_ignore(p, "S", NULL); // tangents: made from uv
+    sagi_pbrt_ignore(p, "faceIndices", NULL);
+    if (status != SAG_OK) {
+        sagi_mesh_data_clear(&data);
+        return status;
+    }
+    char name[SAGI_MAX_PATH + 32];
+    int line, column;
+    sagi_place_find(p->params.place, &line, &column);
+    snprintf(name, sizeof name, "%s:%d", p->params.place.source->path, line);
+    return finish_mesh(p, &data, name);
+}
+
+sag_status sagi_pbrt_loopsubdiv(sagi_pbrt *p) {
+    sagi_pbrt_warn_once(p, p->params.place, "loopsubdiv", "Shape \"loopsubdiv\": the mesh is not subdivided");
+    sagi_pbrt_ignore(p, "levels", NULL), sagi_pbrt_ignore(p, "scheme", NULL);
+    return sagi_pbrt_trianglemesh(p);
+}
+
+sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p) {
+    sagi_mesh_data data = {.context = p->context};
+    const double *indices;
+    size_t count;
+    sag_status status = read_arrays(p, 4, &data, &indices, &count);
+    if (status == SAG_OK && (data.normals || data.texcoords))
+        sagi_pbrt_warn_once(p, p->params.place, "bilinearmesh",
+                            "Shape \"bilinearmesh\": \"N\" and \"uv\" are not supported");
+    sagi_pbrt_ignore(p, "emissionfilename", "is not supported");
+    sagi_pbrt_ignore(p, "faceIndices", NULL);
+    for (size_t i = 0; status == SAG_OK && i < (count ? count : 4); i += 4) {
+        sag_vec3 corners[4];
+        for (size_t k = 0; k < 4; k++) {
+            const double *q = data.positions_f64 + 3 * (count ? (size_t)indices[i + k] : k);
+            corners[k] = sag_vec3_make(q[0], q[1], q[2]);
+        }
+        const sag_bilinear_patch patch = {corners[0], corners[1], corners[2], corners[3]};
+        sag_error reason = {0};
+        if (sag_bilinear_patch_validate(&patch, &reason) != SAG_OK) {
+            sagi_pbrt_warn_once(p, p->params.place, "bilinearmesh patch",
+                                "Shape \"bilinearmesh\": patch %zu is left out: %.300s", i / 4,
+                                reason.message);
+            continue;
+        }
+        const sag_bilinear_patch placed = {
+            sag_affine_point(&p->state.ctm, corners[0]), sag_affine_point(&p->state.ctm, corners[1]),
+            sag_affine_point(&p->state.ctm, corners[2]), sag_affine_point(&p->state.ctm, corners[3])};
+        status = sagi_pbrt_add(p, SAG_SHAPE_BILINEAR_PATCH, &patch,
+                               p->state.area_light.power > 0 ? sag_bilinear_patch_area(&placed) : 0,
+                               &p->state.ctm);
+    }
+    sagi_mesh_data_clear(&data);
+    return status;
+}
+
+sag_status sagi_pbrt_polygon(sagi_pbrt *p) {
+    sagi_params *params = &p->params;
+    size_t count, loop_count;
+    const double *positions = sagi_params_numbers(params, "P", SAGI_TYPE_POINT3, 3, &count);
+    const double *loops = sagi_params_numbers(params, "loops", SAGI_TYPE_INTEGER, 1, &loop_count);
+    if (params->status != SAG_OK) return params->status;
+    if (count / 3 > UINT32_MAX || loop_count > UINT32_MAX)
+        return sagi_params_fail(params, NULL, "too many points");
+    const size_t n = count / 3, loops_used = loop_count ? loop_count : 1;
+    double total = 0;
+    for (size_t i = 0; i < loop_count; i++) {
+        if (!(loops[i] >= 3))
+            return sagi_params_fail(params, sagi_params_find(params, "loops", ~0u),
+                                    "loops[%zu] is %.0f: a loop has 3 points or more", i, loops[i]);
+        total += loops[i];
+    }
+    if (n == 0) return sagi_params_fail(params, NULL, "its \"point3 P\" is missing or empty");
+    if (loop_count && total != (double)n)
+        return sagi_params_fail(params, sagi_params_find(params, "loops", ~0u),
+                                "the loops have %.0f points, \"P\" has %zu", total, n);
+    sag_vec3 *points = sag_allocate(p->context, n * sizeof *points);
+    uint32_t *sizes = sag_allocate(p->context, loops_used * sizeof *sizes);
+    sag_status status = points && sizes ? SAG_OK : sagi_pbrt_out_of_memory(p);
+    if (status == SAG_OK) {
+        for (size_t i = 0; i < n; i++)
+            points[i] = sag_vec3_make(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
+        for (size_t i = 0; i < loops_used; i++) sizes[i] = loop_count ? (uint32_t)loops[i] : (uint32_t)n;
+        const sag_polygon polygon = {.positions = points,
+                                     .position_count = (uint32_t)n,
+                                     .loop_sizes = sizes,
+                                     .loop_count = (uint32_t)loops_used};
+        sag_error reason = {0};
+        const double factor = cbrt(fabs(sag_affine_determinant(&p->state.ctm)));
+        if (sag_polygon_validate(&polygon, &reason) != SAG_OK)
+            status = sagi_params_fail(params, NULL, "%.380s", reason.message);
+        else
+            status = sagi_pbrt_add(p, SAG_SHAPE_POLYGON, &polygon,
+                                   sag_polygon_area(&polygon) * factor * factor, &p->state.ctm);
+    }
+    sag_release(p->context, points, n * sizeof *points);
+    sag_release(p->context, sizes, loops_used * sizeof *sizes);
+    return status;
+}
+
+sag_status sagi_pbrt_spheres(sagi_pbrt *p) {
+    sagi_params *params = &p->params;
+    size_t count;
+    const double *centers = sagi_params_numbers(params, "P", SAGI_TYPE_POINT3, 3, &count);
+    if (params->status != SAG_OK) return params->status;
+    if (count == 0 || count / 3 > UINT32_MAX)
+        return sagi_params_fail(params, NULL, "its \"point3 P\" is missing or empty");
+    float *radii = NULL;
+    sag_status status = copy_floats(p, "radii", SAGI_TYPE_FLOAT, 1, count / 3, &radii);
+    const sag_spheres spheres = {.centers_f64 = centers,
+                                 .radii_f32 = radii,
+                                 .radius = sagi_params_float(params, "radius", 1),
+                                 .count = (uint32_t)(count / 3)};
+    sag_error reason = {0};
+    const double factor = cbrt(fabs(sag_affine_determinant(&p->state.ctm)));
+    if (status == SAG_OK && params->status == SAG_OK && sag_spheres_validate(&spheres, &reason) != SAG_OK)
+        status = sagi_params_fail(params, NULL, "%.380s", reason.message);
+    if (status == SAG_OK)
+        status = sagi_pbrt_add(
+            p, SAG_SHAPE_SPHERES, &spheres,
+            p->state.area_light.power > 0 ? sag_spheres_area(&spheres) * factor * factor : 0, &p->state.ctm);
+    sag_release(p->context, radii, count / 3 * sizeof(float));
+    return status;
+}

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// What stands above WorldBegin: camera, film, sampler, filter, integrator.
+#include "formats/pbrt.h"
+#include "formats/pbrt_blocks.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define RADIANS (3.14159265358979323846 / 180)
+
+void sagi_pbrt_default_settings(sagi_pbrt *p) {
+    sag_settings *settings = sag_world_settings(p->world);
+    settings->camera.kind = SAG_CAMERA_PERSPECTIVE;
+    settings->camera.to_world = sag_affine_identity();
+    settings->camera.fov_rad = 90 * RADIANS;
+    settings->film.width = 1280, settings->film.height = 720;
+    settings->film.filter = SAG_FILTER_GAUSSIAN;
+    settings->film.filter_radius_x = settings->film.filter_radius_y = 1.5;
+    settings->film.filter_sigma = 0.5;
+    settings->sampler = SAG_SAMPLER_SOBOL;
+    settings->samples_per_pixel = 16;
+    settings->integrator = SAG_INTEGRATOR_PATH;
+    settings->max_depth = 5;
+}
+
+// Reads the name after a directive and its parameters.
+static sag_status read_named(sagi_pbrt *p, sagi_place place, const char *what, char *name, size_t size) {
+    const sag_status status = sagi_pbrt_string(p, place, name, size);
+    return status == SAG_OK ? sagi_pbrt_parameters(p, place, SAGI_TARGET_NONE, "%s \"%.60s\"", what, name)
+                            : status;
+}
+
+static sag_status unknown(sagi_pbrt *p, sagi_place place, const char *what, const char *name) {
+    return sagi_place_error(place, p->error, "unknown %s \"%.60s\"", what, name);
+}
+
+sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
+    char name[64];
+    const sag_status status = read_named(p, place, "Camera", name, sizeof name);
+    if (status != SAG_OK) return status;
+    sag_camera camera = {.kind = SAG_CAMERA_PERSPECTIVE};
+    if (strcmp(name, "orthographic") == 0)
+        camera.kind = SAG_CAMERA_ORTHOGRAPHIC;
+    else if (strcmp(name, "spherical") == 0 || strcmp(name, "environment") == 0)
+        camera.kind = SAG_CAMERA_ENVIRONMENT;
+    else if (strcmp(name, "realistic") == 0)
+        sagi_pbrt_warn(p, place,
+                       "Camera \"realistic\" is not supported: a perspective camera takes its place");
+    else if (strcmp(name, "perspective") != 0)
+        return unknown(p, place, "camera", name);
+    sagi_params *params = &p->params;
+    if (!sag_affine_inverse(&p->state.ctm, &camera.to_world))
+        return sagi_params_fail(params, NULL, "the transform is singular");
+    // pbrt's name for the space of the camera, for lights that are fixed to it.
+    const sag_affine ctm = p->state.ctm;
+    p->state.ctm = camera.to_world;
+    const bool named = sagi_pbrt_name_system(p, (sagi_slice){"camera", 6});
+    p->state.ctm = ctm;
+    if (!named) return sagi_pbrt_out_of_memory(p);
+    if (p->options->geometry_only) return SAG_OK;
+
+    const double fov = sagi_params_float(params, "fov", 90);
+    if (!(fov > 0 && fov < 180))
+        sagi_params_fail(params, sagi_params_find(params, "fov", ~0u), "fov %g: it must be in (0, 180)", fov);
+    camera.fov_rad = fov * RADIANS;
+    camera.lens_radius = sagi_params_float(params, "lensradius", 0);
+    camera.focal_distance = sagi_params_float(params, "focaldistance", 0);
+    size_t count;
+    const double *window = sagi_params_numbers(params, "screenwindow", SAGI_TYPE_FLOAT, 4, &count);
+    if (count == 4) memcpy(camera.screen_window, window, sizeof camera.screen_window);
+    const double aspect = sagi_params_float(params, "frameaspectratio", 0);
+    if (aspect > 0 && count != 4) {
+        const double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
+        const double frame[4] = {-x, x, -y, y};
+        memcpy(camera.screen_window, frame, sizeof frame);
+    }
+    sagi_pbrt_ignore(p, "shutteropen", NULL);
+    sagi_pbrt_ignore(p, "shutterclose", NULL);
+    if (camera.kind == SAG_CAMERA_ENVIRONMENT) {
+        char mapping[32];
+        sagi_params_string(params, "mapping", "equalarea", mapping, sizeof mapping);
+        if (strcmp(mapping, "equirectangular") != 0)
+            sagi_pbrt_warn(p, place, "Camera \"spherical\": the mapping is equirectangular, not %s", mapping);
+    }
+    sag_world_settings(p->world)->camera = camera;
+    return sagi_pbrt_parameters_done(p);
+}
+
+sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
+    char name[64];
+    const sag_status status = read_named(p, place, "Film", name, sizeof name);
+    if (status != SAG_OK || p->options->geometry_only) return status;
+    if (strcmp(name, "rgb") != 0 && strcmp(name, "gbuffer") != 0 && strcmp(name, "spectral") != 0 &&
+        strcmp(name, "image") != 0)
+        return unknown(p, place, "film", name);
+    sagi_params *params = &p->params;
+    sag_film *film = &sag_world_settings(p->world)->film;
+    const int32_t width = sagi_params_integer(params, "xresolution", 1280);
+    const int32_t height = sagi_params_integer(params, "yresolution", 720);
+    if (width < 1 || height < 1 || width > (int32_t)SAG_MAX_IMAGE_SIZE ||
+        height > (int32_t)SAG_MAX_IMAGE_SIZE)
+        return sagi_params_fail(params, NULL, "a size of %d×%d: each must be in 1 … %u", width, height,
+                                SAG_MAX_IMAGE_SIZE);
+    film->width = (uint32_t)width, film->height = (uint32_t)height;
+    sagi_params_string(params, "filename", "pbrt.exr", film->file, sizeof film->file);
+    char sensor[64];
+    sagi_params_string(params, "sensor", "cie1931", sensor, sizeof sensor);
+    if (strcmp(sensor, "cie1931") != 0)
+        sagi_pbrt_warn_once(p, place, "sensor", "Film: the sensor \"%s\" is not supported: XYZ as they are",
+                            sensor);
+    sagi_pbrt_ignore(p, "diagonal", NULL);
+    sagi_pbrt_ignore(p, "savefp16", NULL);
+    const char *const missing[] = {"cropwindow",   "pixelbounds",       "iso",
+                                   "whitebalance", "maxcomponentvalue", "coordinatesystem"};
+    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
+        sagi_pbrt_ignore(p, missing[i], "is not supported");
+    return sagi_pbrt_parameters_done(p);
+}
+
+sag_status sagi_pbrt_sampler(sagi_pbrt *p, sagi_place place) {
+    char name[64];
+    const sag_status status = read_named(p, place, "Sampler", name, sizeof name);
+    if (status != SAG_OK || p->options->geometry_only) return status;
+    static const char *const sobol[] = {"sobol",   "zsobol",     "paddedsobol",   "halton",
+                                        "pmj02bn", "02sequence", "lowdiscrepancy"};
+    sagi_params *params = &p->params;
+    sag_settings *settings = sag_world_settings(p->world);
+    int64_t samples;
+    bool known = true;
+    if (strcmp(name, "stratified") == 0) {
+        settings->sampler = SAG_SAMPLER_STRATIFIED;
+        samples =
+            (int64_t)sagi_params_integer(params, "xsamples", 4) * sagi_params_integer(params, "ysamples", 4);
+        sagi_pbrt_ignore(p, "jitter", NULL);
+    } else {
+        known = strcmp(name, "independent") == 0;
+        settings->sampler = known ? SAG_SAMPLER_INDEPENDENT : SAG_SAMPLER_SOBOL;
+        for (size_t i = 0; i < sizeof sobol / sizeof *sobol; i++)
+            known = known || strcmp(name, sobol[i]) == 0;
+        samples = 16;
+    }
+    samples =
+        sagi_params_integer(params, "pixelsamples", (int32_t)(samples > INT32_MAX ? INT32_MAX : samples));
+    if (!known) return unknown(p, place, "sampler", name);
+    if (samples < 1) return sagi_params_fail(params, NULL, "%lld samples in a pixel", (long long)samples);
+    settings->samples_per_pixel = (uint32_t)samples;
+    settings->seed = (uint64_t)sagi_params_integer(params, "seed", 0);
+    sagi_pbrt_ignore(p, "randomization", NULL);
+    return sagi_pbrt_parameters_done(p);
+}
+
+sag_status sagi_pbrt_pixel_filter(sagi_pbrt *p, sagi_place place) {
+    char name[64];
+    const sag_status status = read_named(p, place, "PixelFilter", name, sizeof name);
+    if (status != SAG_OK || p->options->geometry_only) return status;
+    sagi_params *params = &p->params;
+    sag_film *film = &sag_world_settings(p->world)->film;
+    double radius = 1.5;
+    if (strcmp(name, "box") == 0) {
+        film->filter = SAG_FILTER_BOX;
+        radius = 0.5;
+    } else if (strcmp(name, "triangle") == 0) {
+        film->filter = SAG_FILTER_TRIANGLE;
+        radius = 2;
+    } else if (strcmp(name, "mitchell") == 0 || strcmp(name, "sinc") == 0) {
+        film->filter = SAG_FILTER_GAUSSIAN;
+        sagi_pbrt_warn(p, place, "PixelFilter \"%s\" is not supported: a Gaussian takes its place", name);
+        sagi_pbrt_ignore(p, "xradius", NULL), sagi_pbrt_ignore(p, "yradius", NULL);
+        sagi_pbrt_ignore(p, "B", NULL), sagi_pbrt_ignore(p, "C", NULL), sagi_pbrt_ignore(p, "tau", NULL);
+        film->filter_radius_x = film->filter_radius_y = radius;
+        return sagi_pbrt_parameters_done(p);
+    } else if (strcmp(name, "gaussian") == 0) {
+        film->filter = SAG_FILTER_GAUSSIAN;
+    } else {
+        return unknown(p, place, "pixel filter", name);
+    }
+    film->filter_radius_x = sagi_params_float(params, "xradius", radius);
+    film->filter_radius_y = sagi_params_float(params, "yradius", radius);
+    film->filter_sigma = film->filter == SAG_FILTER_GAUSSIAN ? sagi_params_float(params, "sigma", 0.5) : 0;
+    if (!(film->filter_radius_x > 0 && film->filter_radius_y > 0 && film->filter_radius_x <= 64 &&
+          film->filter_radius_y <= 64))
+        return sagi_params_fail(params, NULL, "the radius must be in (0, 64]");
+    return sagi_pbrt_parameters_done(p);
+}
+
+sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
+    char name[64];
+    const sag_status status = read_named(p, place, "Integrator", name, sizeof name);
+    if (status != SAG_OK || p->options->geometry_only) return status;
+    static const char *const others[] = {"simplepath", "simplevolpath", "lightpath",  "bdpt",
+                                         "mlt",        "sppm",          "randomwalk", "function"};
+    sag_settings *settings = sag_world_settings(p->world);
+    bool known = strcmp(name, "path") == 0 || strcmp(name, "volpath") == 0;
+    settings->integrator = SAG_INTEGRATOR_PATH;
+    if (strcmp(name, "ambientocclusion") == 0) {
+        known = true;
+        settings->integrator = SAG_INTEGRATOR_AO;
+        sagi_pbrt_ignore(p, "cossample", NULL);
+        sagi_pbrt_ignore(p, "maxdistance", "is not supported");
+    } else if (strcmp(name, "directlighting") == 0) {
+        known = true;
+        settings->integrator = SAG_INTEGRATOR_DIRECT;
+    }
+    for (size_t i = 0; !known && i < sizeof others / sizeof *others; i++) {
+        if (strcmp(name, others[i]) != 0) continue;
+        known = true;
+        sagi_pbrt_warn(p, place,
+                       "Integrator \"%s\" is not supported: \"path\" takes its place, for the same picture",
+                       name);
+        for (size_t k = 0; k < p->params.count; k++)
+            if (!sagi_slice_is(p->params.items[k].name, "maxdepth")) p->params.items[k].used = true;
+    }
+    if (!known) return unknown(p, place, "integrator", name);
+    const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 5);
+    if (depth < 0) return sagi_params_fail(&p->params, NULL, "maxdepth %d", depth);
+    settings->max_depth = (uint32_t)depth;
+    sagi_pbrt_ignore(p, "regularize", "is not supported");
+    sagi_pbrt_ignore(p, "lightsampler", NULL);
+    sagi_pbrt_ignore(p, "rrthreshold", NULL);
+    return sagi_pbrt_parameters_done(p);
+}

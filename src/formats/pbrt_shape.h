@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// What the readers of shapes share.
+#ifndef SAGI_FORMATS_PBRT_SHAPE_H
+#define SAGI_FORMATS_PBRT_SHAPE_H
+
+#include "formats/pbrt.h"
+
+// Puts a shape, known to be good, into the scene: transform, material, light. `area` is that of the placed
+// shape, for lights given by power; 0 when unknown.
+sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
+                         const sag_affine *placed);
+
+// Shapes with arrays (pbrt_mesh.c).
+sag_status sagi_pbrt_plymesh(sagi_pbrt *p);
+sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p);
+sag_status sagi_pbrt_loopsubdiv(sagi_pbrt *p);
+sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p);
+sag_status sagi_pbrt_polygon(sagi_pbrt *p);
+sag_status sagi_pbrt_spheres(sagi_pbrt *p);
+
+#endif
