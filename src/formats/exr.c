@@ -247,7 +247,7 @@ sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FI
     options.write_fn = on_write;
     exr_result_t code = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &options);
     if (code == EXR_ERR_SUCCESS) {
-        uint32_t component[4];
+        uint32_t component[4] = {0};
         exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
         code = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, NULL);
         if (code == EXR_ERR_SUCCESS)

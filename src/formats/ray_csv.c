@@ -165,8 +165,8 @@ static int learn_columns(sagi_ray_reader *reader, const char **text, const char 
         bool is_ray = !ends_here(p, stop) && (is_comma(*p) || sagi_parse_number(p, stop, &value));
         if (is_ray) {
             double values[SAGI_RAY_COLUMNS];
-            int columns[SAGI_RAY_COLUMNS], count = parse_fields(line, stop, values, columns, issue);
-            if (count < 0) return -1;
+            int columns[SAGI_RAY_COLUMNS] = {0}, count = parse_fields(line, stop, values, columns, issue);
+            if (count < 1) return -1;
             if (count != 6 && count != 8) {
                 issue->column = columns[count - 1];
                 snprintf(issue->message, sizeof issue->message,

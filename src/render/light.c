@@ -92,8 +92,11 @@ static bool sample_area(const sagi_lights *lights, const sagi_area_light *area,
                         const sagi_shading_point *from, sag_vec2 u, sagi_light_sample *sample) {
     const sagi_area_group *group = &lights->groups[area->group];
     const sagi_appearance *appearance = appearance_at(lights, group->appearance);
-    double density;
-    if (!sag_geometry_sample(group->scene, group->geometry, area->primitive, u, &sample->surface, &density))
+    double density, cone = area->radius > 0 ? sagi_ball_cone(area, from->position) : 0;
+    if (cone > 0)
+        sagi_ball_sample(area, from->position, cone, u, &sample->surface);
+    else if (!sag_geometry_sample(group->scene, group->geometry, area->primitive, u, &sample->surface,
+                                  &density))
         return false;
     sagi_orient(appearance, &sample->surface);
     sag_vec3 d = sag_sub(sample->surface.position, from->position);
@@ -102,7 +105,7 @@ static bool sample_area(const sagi_lights *lights, const sagi_area_light *area,
     sample->wi = sag_scale(d, 1 / sqrt(distance2));
     double cosine = fabs(sag_dot(sample->wi, sample->surface.geometric_normal));
     if (!(cosine > 0)) return false;
-    sample->pdf *= density * distance2 / cosine;
+    sample->pdf *= cone > 0 ? 1 / (2 * SAGI_RENDER_PI * cone) : density * distance2 / cosine;
     sample->radiance = sagi_emission(appearance, &sample->surface, sag_neg(sample->wi));
     sample->target = SAGI_TARGET_SURFACE;
     return isfinite(sample->pdf) && !sagi_rgb_is_black(sample->radiance);
@@ -147,7 +150,8 @@ double sagi_lights_area_pdf(const sagi_lights *lights, sag_vec3 from, sag_vec3 w
     if (primitive >= group->count) return 0;
     const sagi_area_light *area = &lights->areas[group->first + primitive];
     double choice = lights->choice.entries[lights->light_count + group->first + primitive].probability;
-    double density = area->density;
+    double density = area->density, cone = area->radius > 0 ? sagi_ball_cone(area, from) : 0;
+    if (cone > 0) return choice / (2 * SAGI_RENDER_PI * cone);
     if (!group->flat && choice > 0)
         density = sag_geometry_density(group->scene, group->geometry, hit->primitive, surface);
     sag_vec3 d = sag_sub(surface->position, from);

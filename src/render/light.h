@@ -29,6 +29,8 @@ typedef struct sagi_area_group {
 typedef struct sagi_area_light {
     uint32_t group, primitive;
     double density; // flat: 1/area; 0: cannot be sampled
+    double radius;  // > 0: a whole ball, sampled by the cone it fills; see ball.c
+    sag_vec3 center;
 } sagi_area_light;
 
 typedef struct sagi_lights {
@@ -87,6 +89,15 @@ sag_rgb sagi_emission(const sagi_appearance *appearance, const sag_surface *surf
 // use.
 double sagi_surface_weight(const sagi_lights *lights, double surface_pdf, double light_pdf);
 double sagi_light_weight(const sagi_lights *lights, double surface_pdf, const sagi_light_sample *sample);
+
+// Lights that are balls, seen from outside; ball.c. cone: 1 − cos of the half angle, 0 when `from` is not
+// outside.
+double sagi_ball_cone(const sagi_area_light *ball, sag_vec3 from);
+void sagi_ball_sample(const sagi_area_light *ball, sag_vec3 from, double cone, sag_vec2 u,
+                      sag_surface *surface);
+// Whether this primitive of a geometry is a whole ball in the scene's space, and which.
+bool sagi_ball_find(const sag_scene *scene, uint32_t geometry, uint32_t primitive, sag_vec3 *center,
+                    double *radius);
 
 // Radiance of an infinite or sky light, and its density; sky.c.
 sag_rgb sagi_sky_radiance(const sagi_light *light, sag_vec3 wi);

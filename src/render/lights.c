@@ -96,8 +96,10 @@ static void fill_areas(sagi_lights *lights, double *weights) {
         for (uint32_t i = 0; i < group->count; i++) {
             double area = sag_geometry_area(group->scene, group->geometry, i);
             bool usable = area > 0 && isfinite(area) && isfinite(1 / area);
-            lights->areas[group->first + i] =
-                (sagi_area_light){.group = g, .primitive = i, .density = usable ? 1 / area : 0};
+            sagi_area_light *light = &lights->areas[group->first + i];
+            *light = (sagi_area_light){.group = g, .primitive = i, .density = usable ? 1 / area : 0};
+            if (!sagi_ball_find(group->scene, group->geometry, i, &light->center, &light->radius))
+                light->radius = 0;
             weights[group->first + i] =
                 usable ? SAGI_RENDER_PI * sides * area * sagi_rgb_mean(look->emission) : 0;
         }

@@ -76,7 +76,8 @@ bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sa
         double inside_x;
         uint32_t n = light->light.image.width;
         uint32_t index = sagi_alias_sample(&light->texels, u.x, &inside_x);
-        sag_vec2 p = {(index % n + inside_x) / n, (index / n + u.y) / n};
+        uint32_t row = index / n;
+        sag_vec2 p = {(index % n + inside_x) / n, (row + u.y) / n};
         *wi = sag_normalize(sag_affine_vector(&light->light.to_world, sagi_equal_area_to_sphere(p)));
         return true;
     }

@@ -150,3 +150,10 @@ sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, sag_shape
     if (shape != NULL) *shape = g->store != NULL ? g->store->shape : NULL;
     return SAG_OK;
 }
+
+sag_status sag_geometry_get_transform(const sag_scene *scene, uint32_t geometry, sag_affine *to_scene) {
+    const sagi_geometry *g = find(scene, geometry);
+    if (g == NULL) return SAG_ERROR_ARGUMENT;
+    *to_scene = g->placed ? g->to_scene : sag_affine_identity();
+    return SAG_OK;
+}

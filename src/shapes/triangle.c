@@ -28,7 +28,7 @@ double sagi_triangle_normal(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3
         *unit = sag_normalize(n);
         return length_scaled(n);
     }
-    if (!sagi_triangle_is_finite(a, b, c)) return 0;
+    if (!sag_is_finite(ab) || !sag_is_finite(ac)) return 0;
     sagi_expansion3 x = sagi_expansion3_from_diff(*b, *a), y = sagi_expansion3_from_diff(*c, *a);
     int exponent = -sagi_expansion3_normalize(&x) - sagi_expansion3_normalize(&y);
     sagi_expansion3 cross = sagi_expansion3_cross(&x, &y);

@@ -34,6 +34,7 @@ for form in "" -shared; do
   expect "first_ray$form" "$first_ray" "$work/examples/first_ray$form"
   expect "shape_alone$form" "$shape_alone" "$work/examples/shape_alone$form"
   if [ -x "$work/examples/gradient$form" ]; then
+    expect "render_sphere" "" "$work/examples/render_sphere" "$work/sphere.png"
     expect "gradient$form" "" "$work/examples/gradient$form" "$work/gradient$form.png"
     [ -s "$work/gradient$form.png" ]
   fi

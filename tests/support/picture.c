@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "support/picture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+studio studio_open(uint32_t thread_count) {
+    studio s;
+    s.context = sag_context_create(&(sag_context_options){.thread_count = thread_count});
+    s.world = sag_world_create(s.context);
+    assert_non_null(s.world);
+    s.scene = sag_world_scene(s.world);
+    s.settings = sag_world_settings(s.world);
+    s.settings->film.width = s.settings->film.height = 32;
+    s.settings->samples_per_pixel = 16;
+    s.settings->camera.fov_rad = 0.4;
+    s.settings->max_depth = 100;
+    sag_vec3 eye = {0, 0, 8}, target = {0, 0, 0};
+    studio_aim(&s, eye, target);
+    return s;
+}
+
+void studio_close(studio *s) {
+    sag_world_destroy(s->world);
+    sag_context_destroy(s->context);
+}
+
+void studio_aim(studio *s, sag_vec3 eye, sag_vec3 target) {
+    sag_vec3 up = {0, 1, 0};
+    s->settings->camera.to_world = sag_camera_look_at(eye, target, up);
+}
+
+void studio_aim_point(studio *s, sag_vec3 eye, sag_vec3 target) {
+    studio_aim(s, eye, target);
+    s->settings->camera.kind = SAG_CAMERA_ORTHOGRAPHIC;
+    const double tiny = 1e-9;
+    s->settings->camera.screen_window[0] = s->settings->camera.screen_window[2] = -tiny;
+    s->settings->camera.screen_window[1] = s->settings->camera.screen_window[3] = tiny;
+}
+
+uint32_t studio_material(studio *s, sag_material material) {
+    uint32_t id = sag_world_add_material(s->world, &material);
+    assert_int_not_equal(id, 0);
+    return id;
+}
+
+sag_image studio_render(studio *s, sag_render_stats *stats) {
+    sag_error error = {.status = SAG_OK};
+    sag_image image;
+    sag_render *render = sag_render_create(s->world, &error);
+    if (!render) print_message("%s\n", error.message);
+    assert_non_null(render);
+    assert_int_equal(sag_render_run(render, NULL, NULL, &error), SAG_OK);
+    assert_int_equal(sag_render_get_image(render, &image, &error), SAG_OK);
+    if (stats) sag_render_get_stats(render, stats);
+    sag_render_destroy(render);
+    return image;
+}
+
+studio_mean studio_measure(studio *s) {
+    sag_image image = studio_render(s, NULL);
+    size_t count = (size_t)image.width * image.height;
+    double sum = 0, squares = 0;
+    studio_mean result = {.least = INFINITY, .most = -INFINITY};
+    for (size_t i = 0; i < count; i++) {
+        double value = image.pixels[3 * i];
+        sum += value;
+        squares += value * value;
+        result.least = fmin(result.least, value);
+        result.most = fmax(result.most, value);
+    }
+    result.mean = sum / (double)count;
+    result.deviation = sqrt(fmax(0, squares / (double)count - result.mean * result.mean) / (double)count);
+    sag_image_clear(s->context, &image);
+    return result;
+}
