@@ -92,7 +92,7 @@ static bool sample_area(const sagi_lights *lights, const sagi_area_light *area,
                         const sagi_shading_point *from, sag_vec2 u, sagi_light_sample *sample) {
     const sagi_area_group *group = &lights->groups[area->group];
     const sagi_appearance *appearance = appearance_at(lights, group->appearance);
-    double density, cone = area->radius > 0 ? sagi_ball_cone(area, from->position) : 0;
+    double density = 0, cone = area->radius > 0 ? sagi_ball_cone(area, from->position) : 0;
     if (cone > 0)
         sagi_ball_sample(area, from->position, cone, u, &sample->surface);
     else if (!sag_geometry_sample(group->scene, group->geometry, area->primitive, u, &sample->surface,

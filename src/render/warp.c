@@ -14,7 +14,8 @@ sag_vec2 sagi_warp_disk(sag_vec2 u) {
         radius = b;
         angle = SAGI_RENDER_PI / 2 - SAGI_RENDER_PI / 4 * (a / b);
     }
-    return (sag_vec2){radius * cos(angle), radius * sin(angle)};
+    double x = radius * cos(angle), y = radius * sin(angle);
+    return (sag_vec2){x, y};
 }
 
 sag_vec3 sagi_warp_cosine(sag_vec2 u) {
