@@ -108,6 +108,7 @@ typedef struct sag_world sag_world;
 SAG_API sag_world *sag_world_create(sag_context *context);
 /// Frees the world, its scenes and pictures. NULL does nothing.
 SAG_API void sag_world_destroy(sag_world *world);
+/// The context the world was created with. Thread-safe.
 SAG_API sag_context *sag_world_context(const sag_world *world);
 
 /// The scene rays are sent into; owned by the world. sag_render_create commits it.
@@ -120,7 +121,9 @@ SAG_API sag_scene *sag_world_add_object(sag_world *world);
 /// (each kind counts from 1) or 0 when memory is short, an input names a texture that was not added before,
 /// or textures nest more than 32 deep.
 SAG_API sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture);
+/// As sag_world_add_texture, for a material.
 SAG_API uint32_t sag_world_add_material(sag_world *world, const sag_material *material);
+/// As sag_world_add_texture, for a light; numbers out of range are reported by sag_render_create.
 SAG_API uint32_t sag_world_add_light(sag_world *world, const sag_light *light);
 
 /// How a geometry looks. Zero-initialised: the default material, grey diffuse. The front is where the
@@ -260,14 +263,17 @@ typedef struct sag_render sag_render;
 /// Prepares a picture of the world as it is now: commits its scene, sorts its lights. NULL with *error on
 /// failure. The world must outlive the render and not change meanwhile.
 SAG_API sag_render *sag_render_create(sag_world *world, sag_error *error);
+/// Frees the render, not its world. NULL does nothing. It must not be running.
 SAG_API void sag_render_destroy(sag_render *render);
 /// Takes the samples that are not taken yet, on all the context's threads. SAG_ERROR_CANCELLED when the
 /// callback stopped it; what is done stays, and a further call goes on from there. The same bits however many
 /// threads there are.
 SAG_API sag_status sag_render_run(sag_render *render, sag_progress_callback progress, void *user,
                                   sag_error *error);
-/// The picture from the samples taken so far: RGB, linear. Makes *image (sag_image_clear it).
+/// The picture from the samples taken so far: RGB, linear; black where there are none yet. Makes *image
+/// (sag_image_clear it). Between runs.
 SAG_API sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_error *error);
+/// Counts and times so far. Between runs or from the progress callback.
 SAG_API void sag_render_get_stats(const sag_render *render, sag_render_stats *stats);
 
 #ifdef __cplusplus
