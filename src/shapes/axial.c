@@ -55,6 +55,19 @@ void sagi_axial_sweep(double phi_max_rad, const sag_ray *ray, sagi_crossings *li
     list->count = kept;
 }
 
+void sagi_axial_clamp(const sagi_quadric_form *form, double z_min, double z_max, sag_surface *surface) {
+    sag_vec3 *p = &surface->position;
+    double z = p->z < z_min ? z_min : p->z > z_max ? z_max : p->z, rho = hypot(p->x, p->y);
+    if (z == p->z) return;
+    p->z = z;
+    if (!(rho > 0)) return;
+    // F = s ρ² + (what z makes of it).
+    double h = ldexp(z - form->center.z, -form->exponent);
+    double rest = (form->square[2].hi * h + 2 * form->linear[2].hi) * h + form->constant.hi;
+    double scale = ldexp(sqrt(fmax(0, -rest / form->square[0].hi)), form->exponent) / rho;
+    p->x *= scale, p->y *= scale;
+}
+
 void sagi_cap_place(double z, double radius, double up, double x, double y, sag_surface *surface) {
     double rho = hypot(x, y), blur = 4 * SAGI_EPSILON;
     surface->position = sag_vec3_make(x, y, z);
@@ -63,7 +76,7 @@ void sagi_cap_place(double z, double radius, double up, double x, double y, sag_
         sag_vec3_make(blur * fabs(x), blur * fabs(y), SAGI_EPSILON * (radius + fabs(z)));
     surface->geometric_normal = sag_vec3_make(0, 0, up);
     surface->u = sagi_sweep_angle(x, y) / SAGI_TWO_PI;
-    surface->v = 1 - rho / radius;
+    surface->v = radius > 0 ? 1 - rho / radius : 0; // a hyperboloid may end in a point on the axis
     surface->dpdu = sag_vec3_make(-SAGI_TWO_PI * y, SAGI_TWO_PI * x, 0);
     surface->dpdv = sag_vec3_make(-radius * (x / rho), -radius * (y / rho), 0);
 }

@@ -16,6 +16,10 @@ void sagi_axial_collect(const sagi_spans *spans, double z_min, double z_max, boo
 // Drops the crossings out of the sweep about the z axis.
 void sagi_axial_sweep(double phi_max_rad, const sag_ray *ray, sagi_crossings *list);
 
+// Brings a position on the curved surface that rounding moved beyond a plane back to it, along the surface's
+// profile. `form` has no cross terms and stands on the z axis.
+void sagi_axial_clamp(const sagi_quadric_form *form, double z_min, double z_max, sag_surface *surface);
+
 // The surface data of the cap at height z, of the given radius, with normal (0, 0, up): all but what
 // sagi_surface_finish adds.
 void sagi_cap_place(double z, double radius, double up, double x, double y, sag_surface *surface);

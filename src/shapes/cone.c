@@ -89,6 +89,10 @@ size_t sag_cone_crossings(const sag_cone *c, const sag_ray *ray, sag_hit *hits, 
     return sagi_crossings_write(&list, hits, capacity);
 }
 
+// The gradient vanishes in the apex and is turned around above it, where rounding may put a point: the
+// normal's z is positive everywhere.
+static void face_up(sag_surface *surface) { surface->geometric_normal.z = fabs(surface->geometric_normal.z); }
+
 // The lines from the base to the apex are the v lines: dp/dv points along one, height up and inward by
 // radius.
 static void texture(const sag_cone *c, sag_surface *surface) {
@@ -107,6 +111,8 @@ void sag_cone_surface(const sag_cone *c, const sag_ray *ray, const sag_hit *hit,
         sagi_cap_surface(0, c->radius, -1, ray, hit->t, surface);
     else {
         sagi_quadric_place_hit(&form, ray, hit->t, surface);
+        sagi_axial_clamp(&form, 0, c->height, surface);
+        face_up(surface);
         texture(c, surface);
     }
     sagi_surface_finish(surface, ray, hit);
@@ -131,6 +137,7 @@ bool sag_cone_sample(const sag_cone *c, sag_vec2 random, sag_surface *surface) {
         sagi_quadric_form form = form_of(c, size);
         sag_vec3 p = {rho * cos(phi), rho * sin(phi), c->height - c->height * down};
         sagi_quadric_place_point(&form, p, surface);
+        face_up(surface);
         texture(c, surface);
     } else {
         sagi_cap_sample(0, c->radius, -1, random, surface);

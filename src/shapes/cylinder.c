@@ -87,6 +87,7 @@ void sag_cylinder_surface(const sag_cylinder *c, const sag_ray *ray, const sag_h
         sagi_cap_surface(c->z_max, c->radius, 1, ray, hit->t, surface);
     else {
         sagi_quadric_place_hit(&form, ray, hit->t, surface);
+        sagi_axial_clamp(&form, c->z_min, c->z_max, surface);
         texture(c, surface);
     }
     sagi_surface_finish(surface, ray, hit);

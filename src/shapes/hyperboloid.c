@@ -169,6 +169,7 @@ void sag_hyperboloid_surface(const sag_hyperboloid *h, const sag_ray *ray, const
         sag_hyperboloid own;
         sagi_quadric_form form = form_of(h, &own);
         sagi_quadric_place_hit(&form, ray, hit->t, surface);
+        sagi_axial_clamp(&form, fmin(h->p1.z, h->p2.z), fmax(h->p1.z, h->p2.z), surface);
         sagi_hyperboloid_texture(h, place_along(h, surface->position.z), surface);
     }
     sagi_surface_finish(surface, ray, hit);

@@ -123,6 +123,7 @@ void sag_hyperboloid2_surface(const sag_hyperboloid2 *s, const sag_ray *ray, con
         sagi_cap_surface(s->z_max, radius_at(s, s->z_max), 1, ray, hit->t, surface);
     else {
         sagi_quadric_place_hit(&form, ray, hit->t, surface);
+        sagi_axial_clamp(&form, s->z_min, s->z_max, surface);
         texture(s, surface);
     }
     sagi_surface_finish(surface, ray, hit);

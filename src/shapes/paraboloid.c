@@ -97,6 +97,7 @@ void sag_paraboloid_surface(const sag_paraboloid *p, const sag_ray *ray, const s
         sagi_cap_surface(p->z_max, p->radius, 1, ray, hit->t, surface);
     else {
         sagi_quadric_place_hit(&form, ray, hit->t, surface);
+        sagi_axial_clamp(&form, p->z_min, p->z_max, surface);
         texture(p, surface);
     }
     sagi_surface_finish(surface, ray, hit);

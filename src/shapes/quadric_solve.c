@@ -336,19 +336,21 @@ int sagi_quadric_sign(const sagi_quadric_form *form, sag_vec3 point) {
 
 // Positions. -----------------------------------------------------------------------------------------------
 
-// One step of Newton's method along the half gradient g: F(y + δ) ≈ F + 2 g·δ, so δ = −F g/2g². The first
-// step leaves an error of second order, which the far origin of a ray (1e9 sizes away, t to half an ulp: an
-// error of 1e-7 sizes) makes worth a second one.
+// Newton's method along the half gradient g: F(y + δ) ≈ F + 2 g·δ, so δ = −F g/2g². What a step leaves is of
+// second order. Mostly the first does; a ray from 1e9 sizes away, whose t is known to half an ulp, is 1e-7
+// sizes off, and a few more steps are needed where that is not small beside the radius of curvature.
 //
 // The bound of the error is generous on purpose. Along the normal it must exceed the distance within which
 // the filter above cannot tell inside from outside, so that a spawned ray is rejected at once: the filter's
 // bound of F is 16u ΣF, the sum of magnitudes, and F grows by 2|g| along the normal, so that is 8u ΣF/|g|.
 // Taken is four times as much, along each coordinate in proportion to the normal, and the roundings of the
 // coordinates.
+#define FLOOR 0x1p-200
+
 static void place(const sagi_quadric_form *f, sagi_dd y[3], sag_surface *surface) {
     const double center[3] = {f->center.x, f->center.y, f->center.z}, ones[3] = {1, 1, 1};
-    double g[3] = {0}, magnitude[3], gg = 0, blur = 0, position[3], error[3];
-    for (int step = 0; step < 3; step++) {
+    double g[3] = {0}, magnitude[3], gg = 0, blur = 0, k = 0, position[3], error[3];
+    for (int step = 0; step < 8; step++) {
         const double at[3] = {y[0].hi, y[1].hi, y[2].hi};
         polynomial unused;
         double value_error, value = residual(f, y, ones, &value_error, &unused);
@@ -357,14 +359,15 @@ static void place(const sagi_quadric_form *f, sagi_dd y[3], sag_surface *surface
         gg = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
         if (!(gg > 0)) break; // the apex of a cone
         blur = 32 * SAGI_EPSILON * (value_error / EPSILON_DD) / gg;
-        double k = value / (2 * gg);
-        for (int i = 0; i < 3 && step < 2; i++) y[i] = sagi_dd_add_double(y[i], -k * g[i]);
+        k = value / (2 * gg);
+        for (int i = 0; i < 3; i++) y[i] = sagi_dd_add_double(y[i], -k * g[i]);
+        if (fabs(k) <= blur / 64) break; // the step was below the bound's unit
     }
     for (int i = 0; i < 3; i++) {
         double local = ldexp(y[i].hi, f->exponent);
         position[i] = center[i] + local;
-        error[i] =
-            ldexp(blur * fabs(g[i]), f->exponent) + 4 * SAGI_EPSILON * (fabs(local) + fabs(position[i]));
+        error[i] = ldexp((blur + 4 * fabs(k)) * fabs(g[i]) + FLOOR, f->exponent) +
+                   4 * SAGI_EPSILON * (fabs(local) + fabs(position[i]));
     }
     surface->position = sag_vec3_make(position[0], position[1], position[2]);
     surface->position_error = sag_vec3_make(error[0], error[1], error[2]);

@@ -220,7 +220,7 @@ expected quadric_truth_solve(quadric_truth *w, const sag_ray *ray) {
     return e;
 }
 
-double quadric_truth_value(quadric_truth *w, sag_vec3 point) {
+int quadric_truth_sign(quadric_truth *w, sag_vec3 point, double *relative) {
     sag_ray ray = sag_ray_make(point, sag_vec3_make(1, 1, 1));
     expand(w, &ray);
     double y[3], sum = fabs(mpfr_get_d(w->q[9], RN));
@@ -230,5 +230,16 @@ double quadric_truth_value(quadric_truth *w, sag_vec3 point) {
         sum += fabs(mpfr_get_d(w->q[i], RN)) * y[i] * y[i] + 2 * fabs(mpfr_get_d(w->q[6 + i], RN)) * y[i] +
                2 * fabs(mpfr_get_d(w->q[5 - i], RN)) * y[j] * y[k];
     }
-    return fabs(mpfr_get_d(w->c, RN)) / sum;
+    if (relative) *relative = fabs(mpfr_get_d(w->c, RN)) / sum;
+    return mpfr_sgn(w->c);
+}
+
+sag_vec3 quadric_truth_normal(quadric_truth *w, sag_vec3 point) {
+    double n[3];
+    for (int i = 0; i < 3; i++) { // b of a ray along the axis
+        sag_ray ray = sag_ray_make(point, sag_vec3_make(i == 0, i == 1, i == 2));
+        expand(w, &ray);
+        n[i] = mpfr_get_d(w->b, RN);
+    }
+    return sag_normalize(sag_vec3_make(n[0], n[1], n[2]));
 }

@@ -34,8 +34,11 @@ void quadric_truth_clear(quadric_truth *truth);
 void quadric_truth_reset(quadric_truth *truth);
 
 expected quadric_truth_solve(quadric_truth *truth, const sag_ray *ray);
-// F at a point relative to the sum of its terms' magnitudes.
-double quadric_truth_value(quadric_truth *truth, sag_vec3 point);
+// The sign of F at a point: exact. *relative, when not NULL, becomes |F| over the sum of its terms'
+// magnitudes.
+int quadric_truth_sign(quadric_truth *truth, sag_vec3 point, double *relative);
+// The direction in which F grows fastest at a point, a unit vector; (0, 0, 0) where there is none.
+sag_vec3 quadric_truth_normal(quadric_truth *truth, sag_vec3 point);
 
 // |t − exact| in units in the last place of the exact value.
 double ulps_between(double t, double exact);
