@@ -131,10 +131,10 @@ static sag_vec3 plane_middle(const sag_polygon *s, const sagi_polygon_plane *pla
     return sag_madd(s->positions[0], ldexp(1, plane->scale_exponent), way);
 }
 
-// Everything but side and ids at a point near the plane. The point is moved onto the plane: for o + t d that
-// leaves the roundings of t and of the sum in the plane, 8ε (|o| + |t d|) with t within 4 ulp, and off it
-// those of this very step, below 8ε (|p| + the polygon's size), ε = 2⁻⁵³.
-static void make_surface(const sag_polygon *s, const sagi_polygon_plane *plane, sag_vec3 p, sag_vec3 error,
+// Everything but side and ids at a point near the plane. The point is moved onto the plane; what is left is
+// the rounding of that step, 8ε (|p| + the polygon's size), ε = 2⁻⁵³, and that is its distance from the
+// polygon.
+static void make_surface(const sag_polygon *s, const sagi_polygon_plane *plane, sag_vec3 p,
                          sag_surface *surface) {
     sag_vec3 n = plane->unit;
     double off = sag_dot(sag_sub(p, plane_middle(s, plane)), n);
@@ -147,8 +147,7 @@ static void make_surface(const sag_polygon *s, const sagi_polygon_plane *plane, 
         sag_frame(n, &u_axis, &unused);
     }
     surface->position = p;
-    surface->position_error =
-        sag_madd(sag_add(error, sag_vec3_make(size, size, size)), 8 * SAGI_EPSILON, sag_abs(p));
+    surface->position_error = sag_madd(sag_vec3_make(size, size, size), 8 * SAGI_EPSILON, sag_abs(p));
     surface->geometric_normal = n;
     surface->dpdu = u_axis;
     surface->dpdv = sag_cross(n, u_axis);
@@ -160,9 +159,7 @@ static void make_surface(const sag_polygon *s, const sagi_polygon_plane *plane, 
 void sag_polygon_surface(const sag_polygon *s, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
     sagi_polygon_plane plane;
     if (!sagi_polygon_is_readable(s) || !sagi_polygon_make_plane(s, &plane)) return;
-    sag_vec3 way = sag_abs(sag_scale(ray->direction, hit->t));
-    sag_vec3 error = sag_scale(sag_add(sag_abs(ray->origin), way), 8 * SAGI_EPSILON);
-    make_surface(s, &plane, sag_ray_at(ray, hit->t), error, surface);
+    make_surface(s, &plane, sag_ray_at(ray, hit->t), surface);
     sagi_surface_finish(surface, ray, hit);
 }
 
@@ -187,7 +184,7 @@ bool sag_polygon_sample(const sag_polygon *s, sag_vec2 random, sag_surface *surf
         p = sag_vec3_make(flat.y, m.y - (n.z * (flat.x - m.z) + n.x * (flat.y - m.x)) / n.y, flat.x);
     else
         p = sag_vec3_make(flat.x, flat.y, m.z - (n.x * (flat.x - m.x) + n.y * (flat.y - m.y)) / n.z);
-    make_surface(s, &plane, p, (sag_vec3){0, 0, 0}, surface);
+    make_surface(s, &plane, p, surface);
     sagi_surface_finish_sample(surface, 0);
     return true;
 }

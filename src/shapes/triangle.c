@@ -3,11 +3,11 @@
 // and triangle_solve.c; here is everything else about one triangle, for mesh as well.
 //
 // Position and its error. p = (a + u (b − a)) + v (c − a): for any weights, however inexact, the result is
-// off the plane by roundings only, per coordinate at most 2ε (|a| + 2u |b − a| + 2v |c − a|), ε = 2⁻⁵³ (the
-// differences, products and sums, one ε each). In the plane it is off by the error of the weights, below 2⁻⁴⁴
-// of each edge. 2⁻⁴⁵ of the longest edge is added in every coordinate: a spawned ray then starts so far off
-// the plane (18ε |a − o|₁ E²/|n|) that the test in doubles turns its own triangle away, unless that is a
-// needle.
+// off the triangle's plane by roundings only, per coordinate at most 2ε (|a| + 2u |b − a| + 2v |c − a|), ε =
+// 2⁻⁵³ (the differences, products and sums, one ε each). That is its distance from the point of the triangle
+// at the u, v reported. 64ε of the longest edge is added in every coordinate: a spawned ray then starts so
+// far off the plane (18ε |a − o|₁ E²/|n| and more) that the test in doubles turns its own triangle away,
+// unless that is a needle.
 #include "shapes/triangle.h"
 #include "shapes/common.h"
 #include "shapes/vector_expansion.h"
@@ -42,8 +42,7 @@ double sagi_triangle_normal(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3
 }
 
 static double position(double a, double ab, double ac, double u, double v, double *error) {
-    *error =
-        2 * SAGI_EPSILON * (fabs(a) + 2 * (u * fabs(ab) + v * fabs(ac))) + 0x1p-44 * (fabs(ab) + fabs(ac));
+    *error = 2 * SAGI_EPSILON * (fabs(a) + 2 * (u * fabs(ab) + v * fabs(ac)));
     return a + u * ab + v * ac;
 }
 
@@ -53,7 +52,7 @@ void sagi_triangle_point(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c
     surface->position.x = position(a->x, ab.x, ac.x, u, v, &error.x);
     surface->position.y = position(a->y, ab.y, ac.y, u, v, &error.y);
     surface->position.z = position(a->z, ab.z, ac.z, u, v, &error.z);
-    double margin = 0x1p-45 * fmax(norm_max(ab), norm_max(ac));
+    double margin = 64 * SAGI_EPSILON * fmax(norm_max(ab), norm_max(ac));
     surface->position_error = sag_add(error, sag_vec3_make(margin, margin, margin));
     surface->geometric_normal = sag_vec3_make(0, 0, 1);
     sagi_triangle_normal(a, b, c, &surface->geometric_normal);
