@@ -38,11 +38,12 @@ static double norm1(sag_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 static double larger(double a, double b) { return a > b ? a : b; }
 static double norm_max(sag_vec3 a) { return larger(larger(fabs(a.x), fabs(a.y)), fabs(a.z)); }
 
-// Writes the answer when t, back in the caller's directions, is in range.
+// Writes the answer when t, back in the caller's directions, is in range and a number: very short directions
+// may put it beyond the doubles.
 static bool accept(const sagi_triangle_ray *ray, double t_scaled, double beta, double gamma, double *t,
                    double *u, double *v) {
     double value = ray->exponent ? ldexp(t_scaled, -ray->exponent) : t_scaled;
-    if (!(value >= ray->t_min && value <= ray->t_max)) return false;
+    if (!(value >= ray->t_min && value <= ray->t_max) || isinf(value)) return false;
     *t = value;
     *u = beta > 0 ? (beta < 1 ? beta : 1) : 0;
     double room = 1 - *u;
