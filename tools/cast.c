@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// sagitta cast: a table of rays in, a table of hits out. Rays are read, traced and written in rounds, so that the
-// memory does not grow with the table: each round's rays go to the batch queries, then pieces of the round are turned
-// into rows side by side, each into a buffer of its own, and the buffers are written in order.
+// sagitta cast: a table of rays in, a table of hits out. Rays are read, traced and written in rounds, so that
+// the memory does not grow with the table: each round's rays go to the batch queries, then pieces of the
+// round are turned into rows side by side, each into a buffer of its own, and the buffers are written in
+// order.
 #include "formats/hit_table.h"
 #include "formats/ray_table.h"
 #include "tool.h"
@@ -11,20 +12,25 @@
 
 static const char help[] =
     "usage: sagitta cast FILE --rays RAYS [-o HITS] [OPTIONS]\n\n"
-    "Sends the rays of a table into the geometry of FILE (a pbrt-v4 scene or any mesh Assimp reads) and writes what\n"
+    "Sends the rays of a table into the geometry of FILE (a pbrt-v4 scene or any mesh Assimp reads) and "
+    "writes what\n"
     "they hit. Numbers are double precision throughout.\n\n"
     "  -r, --rays RAYS      CSV or NumPy .npy (told apart by content); - is the standard input.\n"
-    "                       CSV: ox,oy,oz,dx,dy,dz[,tmin,tmax] a line; a header with these names, blank lines and\n"
+    "                       CSV: ox,oy,oz,dx,dy,dz[,tmin,tmax] a line; a header with these names, blank "
+    "lines and\n"
     "                       # comments may be there. .npy: float64 (or float32), N x 6 or N x 8.\n"
-    "                       Without tmin and tmax a ray reaches from 0 to inf. Directions have any length but 0\n"
+    "                       Without tmin and tmax a ray reaches from 0 to inf. Directions have any length "
+    "but 0\n"
     "  -o, --output HITS    .npy (a structured array), else CSV; -, the default: CSV on the standard output\n"
     "      --query Q        closest (default), any, all or count: see below\n"
     "      --threads N      as many threads; 0, the default: one a core. The hits do not depend on it\n"
     "  -q, --quiet          no progress, no warnings; errors only\n"
     "  -h, --help           this text\n\n"
     "Columns:\n"
-    "  closest  ray,hit,t,x,y,z,nx,ny,nz,u,v,geometry,primitive,instance   the nearest hit, a row for each ray\n"
-    "  all      the same, a row for every crossing, in order of t; a ray without any has one row, with hit 0\n"
+    "  closest  ray,hit,t,x,y,z,nx,ny,nz,u,v,geometry,primitive,instance   the nearest hit, a row for each "
+    "ray\n"
+    "  all      the same, a row for every crossing, in order of t; a ray without any has one row, with hit "
+    "0\n"
     "  any      ray,hit      whether there is any hit in [tmin, tmax]; the quickest\n"
     "  count    ray,count    how many crossings there are\n\n"
     "  ray        the ray's number, from 0\n"
@@ -38,8 +44,8 @@ static const char help[] =
 
 enum { QUERY_CLOSEST, QUERY_ANY, QUERY_ALL, QUERY_COUNT };
 
-#define MAX_ROUND     65536u // rays traced at once
-#define MAX_PIECES    128u   // of a round, encoded side by side
+#define MAX_ROUND     65536u             // rays traced at once
+#define MAX_PIECES    128u               // of a round, encoded side by side
 #define BIG_ROUND     ((size_t)64 << 20) // bytes of rows; `all` takes fewer rays at once beyond
 #define KEPT_CAPACITY ((size_t)4 << 20)  // a piece's larger buffers are given back
 
@@ -229,8 +235,8 @@ static void say_what_was_done(const cast *c, double seconds, const char *output)
     char rays[TEXT_BYTES], hits[TEXT_BYTES], time[TEXT_BYTES], rate[TEXT_BYTES];
     static const char *const names[] = {"hit", "hit", "crossings", "crossings"};
     fprintf(stderr, "%s: %s ray%s, %s %s, in %s (%srays/s)\n", output, text_count(rays, c->first_ray),
-            c->first_ray == 1 ? "" : "s", text_count(hits, c->hit_count), names[c->query], text_seconds(time, seconds),
-            text_rate(rate, seconds > 0 ? (double)c->first_ray / seconds : 0));
+            c->first_ray == 1 ? "" : "s", text_count(hits, c->hit_count), names[c->query],
+            text_seconds(time, seconds), text_rate(rate, seconds > 0 ? (double)c->first_ray / seconds : 0));
 }
 
 static sag_status cast_rays(const cast_options *o, sag_world *world, sag_error *error) {
@@ -297,7 +303,9 @@ static int run(const tool_command *command, int argc, char **argv) {
     if (count < 0) return TOOL_USAGE;
     if (count == 0) return usage_error(command->name, "which file?");
     if (count > 1) return usage_error(command->name, "one file at a time: '%s' is too much", argv[1]);
-    if (!o.rays) return usage_error(command->name, "which rays? --rays RAYS.csv, RAYS.npy or - for the standard input");
+    if (!o.rays)
+        return usage_error(command->name,
+                           "which rays? --rays RAYS.csv, RAYS.npy or - for the standard input");
     o.file = argv[0];
     return cast_file(&o);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Command-line options: --name value, --name=value, -n value, -nvalue; options and other arguments in any order; --
-// ends the options; a lone - is an argument. What is not known is answered with the nearest thing that is.
+// Command-line options: --name value, --name=value, -n value, -nvalue; options and other arguments in any
+// order; -- ends the options; a lone - is an argument. What is not known is answered with the nearest thing
+// that is.
 #include "tool.h"
 
 #include <stdarg.h>
@@ -49,18 +50,21 @@ const char *nearest_word(const char *typed, const char *const *words) {
 
 static const option *find_option(const option *options, size_t count, const char *name, size_t length) {
     for (size_t i = 0; i < count; i++) {
-        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0) return &options[i];
+        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0)
+            return &options[i];
     }
     return NULL;
 }
 
-static int unknown_option(const tool_command *command, const option *options, size_t count, const char *argument) {
+static int unknown_option(const tool_command *command, const option *options, size_t count,
+                          const char *argument) {
     const char *words[32] = {"help"}; // the rest stays NULL, which ends the list
     char typed[MAX_WORD + 1];
     for (size_t i = 0; i < count && i + 2 < 32; i++) words[i + 1] = options[i].name;
     snprintf(typed, sizeof typed, "%.*s", (int)strcspn(argument + 2, "="), argument + 2);
     const char *near = argument[1] == '-' ? nearest_word(typed, words) : NULL;
-    usage_error(command->name, near ? "unknown option '%s'; did you mean '--%s'?" : "unknown option '%s'", argument, near);
+    usage_error(command->name, near ? "unknown option '%s'; did you mean '--%s'?" : "unknown option '%s'",
+                argument, near);
     return -1;
 }
 
@@ -91,7 +95,8 @@ static int read_size(const tool_command *command, const option *o, const char *v
         good = *end == 0 && w >= 1 && h >= 1 && w <= SAG_MAX_IMAGE_SIZE && h <= SAG_MAX_IMAGE_SIZE;
     }
     if (!good) {
-        usage_error(command->name, "--%s %s: expected WIDTHxHEIGHT, each from 1 to %u", o->name, value, SAG_MAX_IMAGE_SIZE);
+        usage_error(command->name, "--%s %s: expected WIDTHxHEIGHT, each from 1 to %u", o->name, value,
+                    SAG_MAX_IMAGE_SIZE);
         return -1;
     }
     size[0] = (uint32_t)w, size[1] = (uint32_t)h;
@@ -134,7 +139,8 @@ static int read_value(const tool_command *command, const option *o, const char *
     return -1;
 }
 
-int options_parse(const tool_command *command, const option *options, size_t option_count, int argc, char **argv) {
+int options_parse(const tool_command *command, const option *options, size_t option_count, int argc,
+                  char **argv) {
     int rest = 0;
     bool ended = false;
     for (int i = 0; i < argc; i++) {
@@ -163,7 +169,8 @@ int options_parse(const tool_command *command, const option *options, size_t opt
             }
             if (argument[2]) value = argument + 2;
         }
-        if (!o || (o->kind == OPTION_FLAG && argument[1] != '-' && value)) return unknown_option(command, options, option_count, argument);
+        if (!o || (o->kind == OPTION_FLAG && argument[1] != '-' && value))
+            return unknown_option(command, options, option_count, argument);
         if (o->kind == OPTION_FLAG && value) {
             usage_error(command->name, "--%s takes no value", o->name);
             return -1;

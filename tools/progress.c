@@ -3,8 +3,8 @@
 //
 //     rendering ━━━━━━━━━━━━━━━──────────  61 %  4.21 M samples/s  0:12 left
 //
-// as wide as the terminal allows, and it is gone when the work is done. Elsewhere (a file, a build log) a line is
-// written every few seconds, at growing intervals. Always on stderr: stdout is for results.
+// as wide as the terminal allows, and it is gone when the work is done. Elsewhere (a file, a build log) a
+// line is written every few seconds, at growing intervals. Always on stderr: stdout is for results.
 #include "tool.h"
 
 #include <langinfo.h>

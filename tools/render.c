@@ -13,13 +13,16 @@
 
 static const char help[] =
     "usage: sagitta render FILE [OPTIONS]\n\n"
-    "Makes a picture of FILE: a pbrt-v4 scene (.pbrt), or any mesh Assimp reads, which gets a camera that sees all\n"
+    "Makes a picture of FILE: a pbrt-v4 scene (.pbrt), or any mesh Assimp reads, which gets a camera that "
+    "sees all\n"
     "of it, a ground and a sky.\n\n"
-    "  -o, --output OUT     the picture: .png (8 bit sRGB), .pfm or .exr (linear floats). Without it the name the\n"
+    "  -o, --output OUT     the picture: .png (8 bit sRGB), .pfm or .exr (linear floats). Without it the "
+    "name the\n"
     "                       scene gives, or FILE's with .png, in the current directory\n"
     "      --spp N          samples a pixel\n"
     "      --size WxH       width and height in pixels\n"
-    "      --integrator I   path (all light, the default), direct (one bounce), ao (ambient occlusion), normal, uv,\n"
+    "      --integrator I   path (all light, the default), direct (one bounce), ao (ambient occlusion), "
+    "normal, uv,\n"
     "                       depth (linear distance), id (a colour for each geometry), albedo\n"
     "      --seed N         another seed gives another pattern of noise; the same one the same bits\n"
     "      --threads N      as many threads; 0, the default: one a core. The picture does not depend on it\n"
@@ -43,7 +46,8 @@ static bool is_picture_name(const char *name) {
 }
 
 // Where the picture goes when nobody says: the scene's own name where that can be written, else the file's.
-static void default_output(const render_options *o, const sag_settings *settings, char *path, size_t capacity) {
+static void default_output(const render_options *o, const sag_settings *settings, char *path,
+                           size_t capacity) {
     const char *wanted = base_name(settings->film.file);
     if (is_picture_name(wanted) && has_ending(o->file, ".pbrt")) {
         snprintf(path, capacity, "%s", wanted);
@@ -60,7 +64,8 @@ static int check_writable(const char *path) {
     struct stat status;
     const bool exists = stat(path, &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) errno = EISDIR;
-    if (exists && S_ISDIR(status.st_mode)) return report_failure("%s: cannot write: %s", path, strerror(errno));
+    if (exists && S_ISDIR(status.st_mode))
+        return report_failure("%s: cannot write: %s", path, strerror(errno));
     if (exists && !S_ISREG(status.st_mode)) return TOOL_OK;
     const char *slash = strrchr(path, '/');
     const int length = slash == path ? 1 : slash ? (int)(slash - path) : 1;
@@ -82,8 +87,8 @@ static void apply_options(const render_options *o, sag_settings *settings) {
     if (o->integrator >= 0) settings->integrator = (sag_integrator_kind)o->integrator;
 }
 
-static sag_status write_stats(const render_options *o, sag_world *world, const sag_render *render, const char *output,
-                              sag_error *error) {
+static sag_status write_stats(const render_options *o, sag_world *world, const sag_render *render,
+                              const char *output, sag_error *error) {
     sag_context *context = sag_world_context(world);
     const sag_settings *settings = sag_world_settings(world);
     sag_render_stats r;
@@ -117,7 +122,8 @@ static sag_status write_stats(const render_options *o, sag_world *world, const s
         {"structure_bytes", (double)s.structure_bytes},
     };
     cJSON *json = cJSON_CreateObject();
-    bool good = cJSON_AddStringToObject(json, "version", SAG_VERSION) && cJSON_AddStringToObject(json, "file", o->file) &&
+    bool good = cJSON_AddStringToObject(json, "version", SAG_VERSION) &&
+                cJSON_AddStringToObject(json, "file", o->file) &&
                 cJSON_AddStringToObject(json, "output", output) &&
                 cJSON_AddStringToObject(json, "isa", sag_context_isa(context));
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && good; i++) {
@@ -141,15 +147,16 @@ static void say_what_was_made(sag_world *world, const sag_render *render, const 
     const sag_settings *settings = sag_world_settings(world);
     sag_render_stats r;
     sag_render_get_stats(render, &r);
-    fprintf(stderr, "%s: %u x %u, %u sample%s a pixel in %s, %srays/s on %u thread%s (load %s, build %s)\n", output,
-            settings->film.width, settings->film.height, settings->samples_per_pixel,
+    fprintf(stderr, "%s: %u x %u, %u sample%s a pixel in %s, %srays/s on %u thread%s (load %s, build %s)\n",
+            output, settings->film.width, settings->film.height, settings->samples_per_pixel,
             settings->samples_per_pixel == 1 ? "" : "s", text_seconds(seconds, r.trace_seconds),
             text_rate(rays, r.trace_seconds > 0 ? (double)r.rays / r.trace_seconds : 0),
             sag_context_thread_count(sag_world_context(world)),
-            sag_context_thread_count(sag_world_context(world)) == 1 ? "" : "s", text_seconds(load, load_seconds),
-            text_seconds(build, r.build_seconds));
+            sag_context_thread_count(sag_world_context(world)) == 1 ? "" : "s",
+            text_seconds(load, load_seconds), text_seconds(build, r.build_seconds));
     if (r.bad_samples) {
-        fprintf(stderr, "sagitta: warning: %s of the samples were not numbers and were dropped\n", text_count(bad, r.bad_samples));
+        fprintf(stderr, "sagitta: warning: %s of the samples were not numbers and were dropped\n",
+                text_count(bad, r.bad_samples));
     }
 }
 
@@ -203,7 +210,8 @@ static int render_file(const render_options *o) {
 }
 
 static int run(const tool_command *command, int argc, char **argv) {
-    static const char *const integrators[] = {"path", "direct", "ao", "normal", "uv", "depth", "id", "albedo", NULL};
+    static const char *const integrators[] = {"path",  "direct", "ao",     "normal", "uv",
+                                              "depth", "id",     "albedo", NULL};
     render_options o = {.integrator = -1, .seed = UINT64_MAX};
     const option options[] = {
         {.name = "output", .letter = 'o', .kind = OPTION_TEXT, .target = &o.output},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What every subcommand needs around its work: a context, messages, interrupts, the clock, numbers for people.
+// What every subcommand needs around its work: a context, messages, interrupts, the clock, numbers for
+// people.
 #include "tool.h"
 
 #include <errno.h>
@@ -132,7 +133,11 @@ const char *text_bytes(char text[TEXT_BYTES], uint64_t bytes) {
     double value = (double)bytes;
     int unit = 0;
     while (value >= 1000 && unit < 6) value /= 1024, unit++;
-    snprintf(text, TEXT_BYTES, unit == 0 || value >= 100 ? "%.0f %s" : value >= 10 ? "%.1f %s" : "%.2f %s", value, units[unit]);
+    snprintf(text, TEXT_BYTES,
+             unit == 0 || value >= 100 ? "%.0f %s"
+             : value >= 10             ? "%.1f %s"
+                                       : "%.2f %s",
+             value, units[unit]);
     return text;
 }
 
@@ -159,7 +164,11 @@ const char *text_rate(char text[TEXT_BYTES], double per_second) {
     double value = per_second >= 0 ? per_second : 0;
     int unit = 0;
     while (value >= 999.5 && unit < 3) value /= 1000, unit++;
-    snprintf(text, TEXT_BYTES, value >= 99.5 ? "%.0f%s" : value >= 9.95 ? "%.1f%s" : "%.2f%s", value, units[unit]);
+    snprintf(text, TEXT_BYTES,
+             value >= 99.5   ? "%.0f%s"
+             : value >= 9.95 ? "%.1f%s"
+                             : "%.2f%s",
+             value, units[unit]);
     return text;
 }
 

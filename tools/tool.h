@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What the files of the program share. main.c picks the subcommand; each subcommand is one file with a table of its
-// options, its help and one function.
+// What the files of the program share. main.c picks the subcommand; each subcommand is one file with a table
+// of its options, its help and one function.
 #ifndef SAGITTA_TOOL_H
 #define SAGITTA_TOOL_H
 
-#include <sagitta/sagitta.h>
+#include <sagitta/render.h>
 #include <signal.h>
 #include <stdio.h>
 
@@ -26,11 +26,11 @@ extern const tool_command tool_render, tool_cast, tool_info;
 
 // What an option's value is and where it goes.
 typedef enum option_kind {
-    OPTION_FLAG,    // no value; *(bool *)target becomes true
-    OPTION_TEXT,    // *(const char **)target
-    OPTION_COUNT,   // a whole number in [minimum, maximum]; *(uint64_t *)target
-    OPTION_SIZE,    // WxH; (uint32_t *)target, two of them
-    OPTION_CHOICE,  // one of `choices`; *(int *)target becomes its index
+    OPTION_FLAG,   // no value; *(bool *)target becomes true
+    OPTION_TEXT,   // *(const char **)target
+    OPTION_COUNT,  // a whole number in [minimum, maximum]; *(uint64_t *)target
+    OPTION_SIZE,   // WxH; (uint32_t *)target, two of them
+    OPTION_CHOICE, // one of `choices`; *(int *)target becomes its index
 } option_kind;
 
 typedef struct option {
@@ -42,9 +42,10 @@ typedef struct option {
     const char *const *choices; // OPTION_CHOICE, ends in NULL
 } option;
 
-// Reads the arguments: options go to their targets; the rest, in order, to the front of argv. Returns how many
-// those are, -1 when something was wrong (and said so), -2 when --help was asked for (and given).
-int options_parse(const tool_command *command, const option *options, size_t option_count, int argc, char **argv);
+// Reads the arguments: options go to their targets; the rest, in order, to the front of argv. Returns how
+// many those are, -1 when something was wrong (and said so), -2 when --help was asked for (and given).
+int options_parse(const tool_command *command, const option *options, size_t option_count, int argc,
+                  char **argv);
 
 // Says on stderr what is wrong with how the program was called, and where help is. Returns TOOL_USAGE.
 int usage_error(const char *command, const char *format, ...) SAG_PRINTF(2, 3);
@@ -70,8 +71,8 @@ void progress_update(progress *p, double fraction, double done);
 void progress_end(progress *p);
 // Draws at once, whatever the time: before work that cannot report.
 void progress_note(progress *p, const char *text);
-// Takes the bar of whichever progress is shown off the terminal, so that a message can be written; it is drawn
-// again at its next update.
+// Takes the bar of whichever progress is shown off the terminal, so that a message can be written; it is
+// drawn again at its next update.
 void progress_clear_line(void);
 
 // ---------------------------------------------------------------------------------------------------------------
@@ -82,13 +83,14 @@ sag_context *session_open(uint64_t threads, bool quiet);
 // Says how many warnings were held back, and gives the context up.
 void session_close(sag_context *context);
 
-// Writes an error as "file:line:col: message" or "sagitta: message". Returns TOOL_FAILED (TOOL_INTERRUPTED for
-// SAG_ERROR_CANCELLED).
+// Writes an error as "file:line:col: message" or "sagitta: message". Returns TOOL_FAILED (TOOL_INTERRUPTED
+// for SAG_ERROR_CANCELLED).
 int report_error(const sag_error *error);
 // The same for a message of the program's own.
 int report_failure(const char *format, ...) SAG_PRINTF(1, 2);
 
-// From now on Ctrl-C (and a polite kill) sets interrupt_flag instead of ending the program; a second one ends it.
+// From now on Ctrl-C (and a polite kill) sets interrupt_flag instead of ending the program; a second one ends
+// it.
 void interrupt_catch(void);
 extern volatile sig_atomic_t interrupt_flag;
 
@@ -101,10 +103,10 @@ uint64_t peak_memory(void);
 
 // Numbers for people. The texts are written to the given buffer, which is returned.
 #define TEXT_BYTES 32
-const char *text_count(char text[TEXT_BYTES], uint64_t count);     // 1,234,567
-const char *text_bytes(char text[TEXT_BYTES], uint64_t bytes);     // 12.3 MiB
-const char *text_seconds(char text[TEXT_BYTES], double seconds);   // 850 ms, 12.3 s, 1:02:03
-const char *text_rate(char text[TEXT_BYTES], double per_second);   // 1.23 M
+const char *text_count(char text[TEXT_BYTES], uint64_t count);   // 1,234,567
+const char *text_bytes(char text[TEXT_BYTES], uint64_t bytes);   // 12.3 MiB
+const char *text_seconds(char text[TEXT_BYTES], double seconds); // 850 ms, 12.3 s, 1:02:03
+const char *text_rate(char text[TEXT_BYTES], double per_second); // 1.23 M
 
 // The part of a path behind the last slash.
 const char *base_name(const char *path);
