@@ -1,0 +1,42 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# sagitta info: what it says of a closed mesh, an open one and a scene.
+. "$(dirname "$0")/../support/tool_test.sh"
+make_cube cube.obj
+expect 0 info cube.obj
+has out '^cube.obj$'
+has out '12 in 1 mesh'
+has out 'x  *-1 to 1 '
+has out ' yes '
+grep -q '^warnings' out && fail "warnings about a good cube"
+
+grep -v 'f 2 7 6' cube.obj >open.obj
+printf 'f 1 3 2\nf 1 1 2\n' >>open.obj
+expect 0 info open.obj
+has out ' no '
+has out 'open edge'
+has out 'without area'
+has out 'same three positions'
+expect 0 info open.obj --json
+has out '"closed":.*false'
+has out '"duplicate":.*1'
+has out '"isa":'
+has out '"build_seconds":'
+if command -v python3 >/dev/null; then
+    python3 - <<'END' || fail "not JSON"
+import json
+json.load(open('out'))
+END
+fi
+
+make_scene scene.pbrt
+expect 0 info scene.pbrt
+has out 'sphere'
+has out 'disk'
+expect 0 info -q scene.pbrt
+[ -s err ] && fail "--quiet was not"
+
+# Without a file: the program itself.
+expect 0 info --json
+has out '"threads":'
+finish
