@@ -41,6 +41,7 @@ typedef struct info {
     uint64_t triangle_count, vertex_count;
     uint64_t not_finite_count, degenerate_count, duplicate_count, open_count;
     uint64_t kinds[KIND_COUNT];
+    uint32_t object_count; // scenes that instances place
     sag_scene_stats stats;
     double load_seconds, check_seconds;
     bool out_of_memory;
@@ -77,12 +78,30 @@ static void on_mesh(void *user, const char *name, const sag_mesh *mesh) {
     n->check_seconds += clock_seconds() - start;
 }
 
-static void count_kinds(info *n, const sag_scene *scene) {
-    for (uint32_t i = 0, found = 0; found < n->stats.geometry_count && i < SAG_INVALID_ID; i++) {
+static void count_kinds(info *n, const sag_scene *scene, uint32_t geometry_count) {
+    for (uint32_t i = 0, found = 0; found < geometry_count && i < SAG_INVALID_ID; i++) {
         sag_shape_kind kind;
         if (sag_geometry_get(scene, i, &kind, NULL) != SAG_OK) continue;
         n->kinds[kind]++;
         found++;
+    }
+}
+
+// Adds the objects, which the scene's instances place, to the scene's own counts and sizes.
+static void add_objects(info *n, const sag_world *world) {
+    const sag_scene *object;
+    for (; (object = sag_world_object(world, n->object_count)) != NULL; n->object_count++) {
+        sag_scene_stats s;
+        sag_scene_get_stats(object, &s);
+        count_kinds(n, object, s.geometry_count);
+        n->stats.geometry_count += s.geometry_count;
+        n->stats.primitive_count += s.primitive_count;
+        n->stats.node_count += s.node_count;
+        n->stats.leaf_count += s.leaf_count;
+        n->stats.geometry_bytes += s.geometry_bytes;
+        n->stats.structure_bytes += s.structure_bytes;
+        n->stats.build_seconds += s.build_seconds;
+        if (s.depth > n->stats.depth) n->stats.depth = s.depth;
     }
 }
 
@@ -107,6 +126,9 @@ static void print_summary(const info *n) {
                sag_shape_kind_name((sag_shape_kind)kind));
         separator = ", ";
     }
+    if (n->object_count)
+        printf(" (in %s object%s that are instanced)", text_count(a, n->object_count),
+               plural(n->object_count));
     printf("\n  %-14s %s\n", "primitives", text_count(a, s->primitive_count));
     if (n->mesh_count) {
         printf("  %-14s %s in %s mesh%s, %s vertices\n", "triangles", text_count(a, n->triangle_count),
@@ -260,6 +282,7 @@ static int info_to_json(const info *n) {
         if (n->kinds[kind])
             add_number(kinds, sag_shape_kind_name((sag_shape_kind)kind), (double)n->kinds[kind]);
     }
+    add_number(json, "objects", n->object_count);
     add_number(json, "instances", (double)n->kinds[SAG_SHAPE_INSTANCE]);
     add_number(json, "primitives", (double)s->primitive_count);
     add_number(json, "triangles", (double)n->triangle_count);
@@ -306,7 +329,9 @@ static sag_status load(info *n, sag_world *world, sag_error *error) {
     if (status == SAG_OK) status = sag_scene_commit(sag_world_scene(world), error);
     if (status != SAG_OK) return status;
     sag_scene_get_stats(sag_world_scene(world), &n->stats);
-    count_kinds(n, sag_world_scene(world));
+    n->stats.bounds = sag_scene_bounds(sag_world_scene(world)); // infinite with a plane in it
+    count_kinds(n, sag_world_scene(world), n->stats.geometry_count);
+    add_objects(n, world);
     return SAG_OK;
 }
 

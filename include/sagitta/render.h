@@ -116,6 +116,8 @@ SAG_API sag_scene *sag_world_scene(sag_world *world);
 /// Another scene owned by the world, to be placed by instances; NULL when memory is short. Commit it before
 /// instancing.
 SAG_API sag_scene *sag_world_add_object(sag_world *world);
+/// The scenes sag_world_add_object made, in order, counted from 0; NULL beyond the last.
+SAG_API sag_scene *sag_world_object(const sag_world *world, uint32_t index);
 
 /// Adds a texture, material or light (copied; pictures are taken over, also on failure). Returns its id
 /// (each kind counts from 1) or 0 when memory is short, an input names a texture that was not added before,

@@ -77,6 +77,11 @@ sag_scene *sag_world_add_object(sag_world *world) {
     return *slot;
 }
 
+sag_scene *sag_world_object(const sag_world *world, uint32_t index) {
+    sag_scene *const *objects = world->objects.items;
+    return index < world->objects.count ? objects[index] : NULL;
+}
+
 // The depth of a texture over its inputs, or 0 when one does not exist or there are too many levels.
 static uint32_t texture_depth(const sag_world *world, const sag_texture *texture) {
     const sagi_texture *textures = world->textures.items;
