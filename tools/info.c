@@ -127,8 +127,7 @@ static void print_summary(const info *n) {
         separator = ", ";
     }
     if (n->object_count)
-        printf(" (in %s object%s that are instanced)", text_count(a, n->object_count),
-               plural(n->object_count));
+        printf("; %s object%s placed by instances", text_count(a, n->object_count), plural(n->object_count));
     printf("\n  %-14s %s\n", "primitives", text_count(a, s->primitive_count));
     if (n->mesh_count) {
         printf("  %-14s %s in %s mesh%s, %s vertices\n", "triangles", text_count(a, n->triangle_count),
