@@ -346,7 +346,7 @@ static int describe_file(info *n, bool as_json, bool quiet) {
     int result = status == SAG_OK ? TOOL_OK : report_error(&error);
     if (status == SAG_OK && as_json) result = info_to_json(n);
     if (status == SAG_OK && !as_json) {
-        qsort(n->meshes, n->mesh_count, sizeof *n->meshes, by_triangles);
+        if (n->mesh_count) qsort(n->meshes, n->mesh_count, sizeof *n->meshes, by_triangles);
         print_summary(n);
         print_meshes(n);
         print_warnings(n);

@@ -76,7 +76,7 @@ typedef struct npy_block {
 } npy_block;
 
 static double number_at(const sagi_npy_header *h, const char *bytes) {
-    unsigned char b[8];
+    unsigned char b[8] = {0};
     const bool swap = h->big_endian != sagi_is_big_endian();
     for (uint32_t i = 0; i < h->item_bytes; i++)
         b[i] = (unsigned char)bytes[swap ? h->item_bytes - 1 - i : i];
