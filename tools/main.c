@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const tool_command *const commands[] = {&tool_render, &tool_cast, &tool_info};
-#define COMMAND_COUNT (sizeof commands / sizeof *commands)
+#define COMMAND_COUNT 3
+static const tool_command *const commands[COMMAND_COUNT] = {&tool_render, &tool_cast, &tool_info};
 
 static int print_help(FILE *file) {
     fputs("Sagitta " SAG_VERSION ": what does this ray hit?\n\n"

@@ -171,14 +171,14 @@ static size_t lay_out(uint64_t whole, int exponent, char *text) {
 
 size_t sagi_format_number(double value, char text[SAGI_NUMBER_BYTES]) {
     if (isnan(value)) {
-        memcpy(text, "nan", 3);
+        text[0] = 'n', text[1] = 'a', text[2] = 'n';
         return 3;
     }
     size_t sign = signbit(value) ? 1 : 0;
     double x = fabs(value);
     if (sign) text[0] = '-';
     if (isinf(x)) {
-        memcpy(text + sign, "inf", 3);
+        text[sign] = 'i', text[sign + 1] = 'n', text[sign + 2] = 'f';
         return sign + 3;
     }
     if (x == 0) {
