@@ -234,9 +234,9 @@ typedef struct cast_options {
 static void say_what_was_done(const cast *c, double seconds, const char *output) {
     char rays[TEXT_BYTES], hits[TEXT_BYTES], time[TEXT_BYTES], rate[TEXT_BYTES];
     static const char *const names[] = {"hit", "hit", "crossings", "crossings"};
-    fprintf(stderr, "%s: %s ray%s, %s %s, in %s (%srays/s)\n", output, text_count(rays, c->first_ray),
+    fprintf(stderr, "%s: %s ray%s, %s %s, in %s (%s)\n", output, text_count(rays, c->first_ray),
             c->first_ray == 1 ? "" : "s", text_count(hits, c->hit_count), names[c->query],
-            text_seconds(time, seconds), text_rate(rate, seconds > 0 ? (double)c->first_ray / seconds : 0));
+            text_seconds(time, seconds), text_rate(rate, (double)c->first_ray, seconds, "rays"));
 }
 
 static sag_status cast_rays(const cast_options *o, sag_world *world, sag_error *error) {

@@ -70,11 +70,11 @@ static void draw_bar(const progress *p, double fraction, int width) {
 
 static void draw_line(progress *p, double fraction, double done, double elapsed) {
     char rate[TEXT_BYTES], left[TEXT_BYTES], tail[160], percent[16] = "";
-    text_rate(rate, elapsed > 0 ? done / elapsed : 0);
+    text_rate(rate, done, elapsed, p->unit);
     text_left(left, fraction, elapsed);
     // 99.96 % is not yet 100 %.
     if (!isnan(fraction)) snprintf(percent, sizeof percent, "%3d %%  ", (int)(100 * fraction));
-    snprintf(tail, sizeof tail, "%s%s%s%s/s  %s", percent, rate, strchr(rate, ' ') ? "" : " ", p->unit, left);
+    snprintf(tail, sizeof tail, "%s%s  %s", percent, rate, left);
     // One column stays free: a terminal that wraps there would break the line.
     const int room = terminal_width() - 1, label = (int)strlen(p->what) + 1;
     int bar = room - label - (int)strlen(tail) - 2;
@@ -106,15 +106,14 @@ void progress_update(progress *p, double fraction, double done) {
         return;
     }
     char rate[TEXT_BYTES], left[TEXT_BYTES], count[TEXT_BYTES], percent[TEXT_BYTES];
-    text_rate(rate, done / (now - p->start));
+    text_rate(rate, done, now - p->start, p->unit);
     text_left(left, fraction, now - p->start);
     if (isnan(fraction)) {
         snprintf(percent, sizeof percent, "%s %s", text_count(count, (uint64_t)done), p->unit);
     } else {
         snprintf(percent, sizeof percent, "%d %%", (int)(100 * fraction));
     }
-    fprintf(stderr, "%s: %s, %s%s%s/s%s%s\n", p->what, percent, rate, strchr(rate, ' ') ? "" : " ", p->unit,
-            left[0] ? ", " : "", left);
+    fprintf(stderr, "%s: %s, %s%s%s\n", p->what, percent, rate, left[0] ? ", " : "", left);
     p->interval = fmin(1.5 * p->interval, LINE_SECONDS_MAX);
 }
 

@@ -147,10 +147,10 @@ static void say_what_was_made(sag_world *world, const sag_render *render, const 
     const sag_settings *settings = sag_world_settings(world);
     sag_render_stats r;
     sag_render_get_stats(render, &r);
-    fprintf(stderr, "%s: %u x %u, %u sample%s a pixel in %s, %srays/s on %u thread%s (load %s, build %s)\n",
-            output, settings->film.width, settings->film.height, settings->samples_per_pixel,
+    fprintf(stderr, "%s: %u x %u, %u sample%s a pixel in %s, %s on %u thread%s (load %s, build %s)\n", output,
+            settings->film.width, settings->film.height, settings->samples_per_pixel,
             settings->samples_per_pixel == 1 ? "" : "s", text_seconds(seconds, r.trace_seconds),
-            text_rate(rays, r.trace_seconds > 0 ? (double)r.rays / r.trace_seconds : 0),
+            text_rate(rays, (double)r.rays, r.trace_seconds, "rays"),
             sag_context_thread_count(sag_world_context(world)),
             sag_context_thread_count(sag_world_context(world)) == 1 ? "" : "s",
             text_seconds(load, load_seconds), text_seconds(build, r.build_seconds));

@@ -161,16 +161,13 @@ const char *text_seconds(char text[TEXT_BYTES], double seconds) {
     return text;
 }
 
-const char *text_rate(char text[TEXT_BYTES], double per_second) {
-    static const char *const units[] = {"", " k", " M", " G"};
-    double value = per_second >= 0 ? per_second : 0;
-    int unit = 0;
-    while (value >= 999.5 && unit < 3) value /= 1000, unit++;
-    snprintf(text, TEXT_BYTES,
-             value >= 99.5   ? "%.0f%s"
-             : value >= 9.95 ? "%.1f%s"
-                             : "%.2f%s",
-             value, units[unit]);
+const char *text_rate(char text[TEXT_BYTES], double count, double seconds, const char *unit) {
+    static const char *const prefixes[] = {"", "k", "M", "G"};
+    double value = seconds > 0 ? count / seconds : 0;
+    int prefix = 0;
+    while (value >= 999.5 && prefix < 3) value /= 1000, prefix++;
+    const int decimals = value >= 99.5 ? 0 : value >= 9.95 ? 1 : 2;
+    snprintf(text, TEXT_BYTES, "%.*f %s%s/s", decimals, value, prefixes[prefix], unit);
     return text;
 }
 

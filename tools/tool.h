@@ -106,7 +106,7 @@ uint64_t peak_memory(void);
 const char *text_count(char text[TEXT_BYTES], uint64_t count);   // 1,234,567
 const char *text_bytes(char text[TEXT_BYTES], uint64_t bytes);   // 12.3 MiB
 const char *text_seconds(char text[TEXT_BYTES], double seconds); // 850 ms, 12.3 s, 1:02:03
-const char *text_rate(char text[TEXT_BYTES], double per_second); // 1.23 M
+const char *text_rate(char text[TEXT_BYTES], double count, double seconds, const char *unit); // 1.23 Mrays/s
 
 // The part of a path behind the last slash.
 const char *base_name(const char *path);

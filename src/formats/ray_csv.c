@@ -261,12 +261,14 @@ static const char *whole_lines(const sagi_ray_reader *reader) {
 sag_status sagi_ray_csv_next(sagi_ray_reader *reader, size_t *count, sag_error *error) {
     static const char mark[3] = {'\xEF', '\xBB', '\xBF'};
     for (*count = 0; *count == 0;) {
-        sag_status status = sagi_ray_reader_fill(reader, error);
-        if (status != SAG_OK) return status;
-        if (reader->filled == 0) return SAG_OK;
         const char *text = reader->buffer, *end = whole_lines(reader);
+        if (!end && reader->filled < SAGI_RAY_MAX_LINE) {
+            sag_status status = sagi_ray_reader_fill(reader, error);
+            if (status != SAG_OK) return status;
+            continue;
+        }
+        if (reader->filled == 0) return SAG_OK;
         if (!end) {
-            if (reader->filled < SAGI_RAY_MAX_LINE) continue;
             csv_issue issue = {.line = reader->line + 1,
                                .column = 1,
                                .message = "the line is longer than 1 MiB: this is no table of rays"};
@@ -277,7 +279,7 @@ sag_status sagi_ray_csv_next(sagi_ray_reader *reader, size_t *count, sag_error *
             text += 3;
         csv_issue issue = {0};
         if (learn_columns(reader, &text, end, &issue) < 0) return report(reader, &issue, error);
-        status = parse_block(reader, text, end, count, error);
+        sag_status status = parse_block(reader, text, end, count, error);
         if (status != SAG_OK) return status;
         reader->filled -= (size_t)(end - reader->buffer);
         memmove(reader->buffer, end, reader->filled);

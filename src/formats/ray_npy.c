@@ -138,13 +138,13 @@ static sag_status read_rows(sagi_ray_reader *reader, size_t *rows, sag_error *er
         if (*rows > left) *rows = (size_t)left;
         return read_columns(reader, *rows, error);
     }
-    while (*rows == 0 && left > 0) {
+    while (reader->filled < row_bytes(reader) && left > 0) {
+        if (reader->at_end) return too_short(reader, reader->rows_done, error);
         sag_status status = sagi_ray_reader_fill(reader, error);
         if (status != SAG_OK) return status;
-        *rows = reader->filled / row_bytes(reader);
-        if (*rows > left) *rows = (size_t)left;
-        if (*rows == 0 && reader->at_end) return too_short(reader, reader->rows_done, error);
     }
+    *rows = reader->filled / row_bytes(reader);
+    if (*rows > left) *rows = (size_t)left;
     return SAG_OK;
 }
 

@@ -66,6 +66,21 @@ cmp -s out closest.csv || { fail "rays from .npy differ from those of CSV"; diff
 "$sagitta" cast cube.obj --rays - <rays.npy >out 2>err || fail ".npy from the standard input"
 cmp -s out closest.csv || fail "rays from a .npy pipe differ"
 
+# A conversation: each ray is answered before the next is asked.
+mkfifo to from
+"$sagitta" cast cube.obj --rays - -q <to >from 2>err &
+exec 3>to 4<from
+echo '0,0,-5,0,0,1' >&3
+read -r row <&4
+read -r row <&4
+[ "${row%%,-*}" = "0,1,4,0,0" ] || fail "the first answer: $row"
+echo '0,0,-7,0,0,1' >&3
+read -r row <&4
+[ "${row%%,-*}" = "1,1,6,0,0" ] || fail "the second answer: $row"
+exec 3>&- 4<&-
+wait $! || fail "the conversation's end: $(cat err)"
+rm to from
+
 # Many rays on one thread and on four.
 awk 'BEGIN { srand(3); for (i = 0; i < 100000; i++) print 4*rand()-2 "," 4*rand()-2 ",-5," rand()-.5 "," rand()-.5 ",3" }' >many.csv
 expect 0 cast cube.obj --rays many.csv --threads 1 -o one.csv
