@@ -20,6 +20,33 @@ volatile sig_atomic_t interrupt_flag;
 // The log callback's own count; the program has one context.
 static unsigned warning_count;
 
+// How many bytes of a well-formed UTF-8 character that may be shown begin at p; 0 for anything else.
+static int shown_bytes(const unsigned char *p) {
+    if (p[0] < 0x80) return p[0] >= 0x20 && p[0] != 0x7F;
+    const int length = p[0] >= 0xC2 && p[0] < 0xE0   ? 2
+                       : p[0] >= 0xE0 && p[0] < 0xF0 ? 3
+                       : p[0] >= 0xF0 && p[0] < 0xF5 ? 4
+                                                     : 0;
+    for (int i = 1; i < length; i++) {
+        if (p[i] >> 6 != 2) return 0;
+    }
+    return p[0] == 0xC2 && p[1] < 0xA0 ? 0 : length; // U+0080 … U+009F steer terminals
+}
+
+// Writes a message that may quote a file's bytes: what would upset a terminal becomes a question mark.
+static void print_clean(const char *text) {
+    const unsigned char *p = (const unsigned char *)text;
+    while (*p) {
+        const int length = shown_bytes(p);
+        if (length > 0) {
+            fwrite(p, 1, (size_t)length, stderr);
+        } else {
+            fputc('?', stderr);
+        }
+        p += length > 0 ? length : 1;
+    }
+}
+
 static void log_message(void *user, sag_log_level level, const char *message) {
     const bool quiet = user != NULL;
     if (level == SAG_LOG_INFO) return;
@@ -29,7 +56,9 @@ static void log_message(void *user, sag_log_level level, const char *message) {
     const char *prefix = strstr(message, "warning: ") || strstr(message, "error: ") ? ""
                          : level == SAG_LOG_WARNING                                 ? "sagitta: warning: "
                                                                                     : "sagitta: ";
-    fprintf(stderr, "%s%s\n", prefix, message);
+    fputs(prefix, stderr);
+    print_clean(message);
+    fputc('\n', stderr);
 }
 
 sag_context *session_open(uint64_t threads, bool quiet) {
@@ -62,10 +91,12 @@ int report_error(const sag_error *error) {
         fprintf(stderr, "sagitta: interrupted\n");
         return TOOL_INTERRUPTED;
     }
-    fprintf(stderr, "%s", error->file[0] ? error->file : "sagitta");
+    print_clean(error->file[0] ? error->file : "sagitta");
     if (error->line > 0) fprintf(stderr, ":%d", error->line);
     if (error->line > 0 && error->column > 0) fprintf(stderr, ":%d", error->column);
-    fprintf(stderr, ": %s\n", error->message[0] ? error->message : sag_status_name(error->status));
+    fputs(": ", stderr);
+    print_clean(error->message[0] ? error->message : sag_status_name(error->status));
+    fputc('\n', stderr);
     return TOOL_FAILED;
 }
 
