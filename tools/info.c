@@ -65,7 +65,9 @@ static void on_mesh(void *user, const char *name, const sag_mesh *mesh) {
                      .has_normals = mesh->normals_f32 != NULL,
                      .has_texcoords = mesh->texcoords_f32 != NULL,
                      .is_double = mesh->positions_f64 != NULL};
-    snprintf(m->name, sizeof m->name, "%s", name && *name ? name : "(no name)");
+    // A mesh without a name of its own is called like its file.
+    const bool is_path = name && strcmp(name, n->file) == 0;
+    snprintf(m->name, sizeof m->name, "%s", is_path ? base_name(name) : name && *name ? name : "(no name)");
     // A mesh that cannot be examined is refused when it is added; the message is the loader's.
     if (sag_mesh_check(n->context, mesh, &m->report, NULL) != SAG_OK) return;
     n->mesh_count++;
