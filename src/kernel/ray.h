@@ -26,10 +26,12 @@
 // culled, and its entry is never overstated: that, and not the widening of boxes alone, is what conservative
 // takes (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, treats the case of equal precision).
 //
-// Small |Dᵢ| < 2⁻⁴⁰. r = ±2⁴⁰ stands in for ρ, so that no infinity meets a zero. Inside the scene's box τ
-// runs over less than 4(1 + δ), as some |Dⱼ| ≥ ½; the coordinate moves by less than 2⁻³⁸(1 + δ), which times
-// |r| is 4(1 + δ). Widening a by 16 + 2δ|r| puts every slab that the ray can meet around the whole of that
-// run of τ; slabs further off are still culled.
+// Small |Dᵢ| < 2⁻⁴⁰. r = ±2⁴⁰ stands in for ρ, so that no infinity meets a zero. Let T be a bound of the τ at
+// which the ray leaves the box of everything: until then the coordinate moves by less than 2⁻⁴⁰T, which times
+// |r| is T. For a slab that the ray meets, (b − P)r is so at most T for the near plane and at least −T for
+// the far one, and widening a by 2T puts the slab around all of [0, T]. Slabs further off are still culled.
+// (T is not always of the order of 1: seen from 2⁶⁰ scenes away, the ray's start is known to a few hundred
+// scenes.)
 //
 // The far end. t·2ᵉ⁻ᵏ − τ₀ is rounded up to float, after adding 2⁻⁴⁸ of both terms for the rounding of the
 // difference and because a shape's t may be 4 ulp from the true one: a box that holds a hit at the best t
@@ -66,7 +68,7 @@ static inline float sagi_float_ray_limit(const sagi_float_ray *ray, double t) {
     return (float)(limit * (1 + 0x1p-22));
 }
 
-// The entry's scale and addend for one coordinate with bounds that cull nothing, for a ray so far away (2²⁰⁰
+// The entry's scale and addend for one coordinate with bounds that cull nothing, for a ray so far away (2¹⁰⁰
 // times the scene's size) that doubles say nothing about it.
 static inline void blind_axis(sagi_float_ray *out, int k) {
     out->near_scale[k] = out->far_scale[k] = 1;
@@ -74,12 +76,12 @@ static inline void blind_axis(sagi_float_ray *out, int k) {
     out->near_plane[k] = k, out->far_plane[k] = 3 + k;
 }
 
-static inline void set_axis(sagi_float_ray *out, int k, double p, double d, double error) {
+static inline void set_axis(sagi_float_ray *out, int k, double p, double d, double error, double run) {
     bool small = fabs(d) < 0x1p-40;
     double inverse = small ? copysign(0x1p40, d) : 1 / d;
     float near = (float)(inverse * (1 - 0x1p-22)), far = (float)(inverse * (1 + 0x1p-22));
     double reach = fabs((double)far) * error * (1 + 0x1p-20) + 0x1p-100;
-    if (small) reach = 3 * reach + 16;
+    if (small) reach += 2 * run * (1 + 0x1p-20) + 1;
     double near_add = -p * near - (0x1p-22 * fabs(p * near) + reach);
     double far_add = -p * far + (0x1p-22 * fabs(p * far) + reach);
     out->near_scale[k] = near, out->far_scale[k] = far;
@@ -107,7 +109,7 @@ static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *r
         spread = fmax(spread, fabs(o[k]));
     }
     spread = (spread * world->spread_relative + world->spread_absolute) * world->scale * 0x1p-50;
-    if (!(fabs(q[0]) < 0x1p200 && fabs(q[1]) < 0x1p200 && fabs(q[2]) < 0x1p200 && spread < 0x1p200)) {
+    if (!(fabs(q[0]) < 0x1p100 && fabs(q[1]) < 0x1p100 && fabs(q[2]) < 0x1p100 && spread < 0x1p100)) {
         for (int k = 0; k < 3; k++) blind_axis(out, k);
         out->start = -INFINITY; // makes every limit infinite
         return true;
@@ -119,7 +121,7 @@ static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *r
     for (int k = 0; k < 3; k++) {
         double lo = world->tree.box.lo[k], hi = world->tree.box.hi[k];
         double error = 0x1p-50 * (1 + fabs(q[k])) + spread + 0x1p-90;
-        if (fabs(direction[k]) < 0x1p-300) { // moves by less than 2⁻⁹⁰, as τ < 2²⁰²
+        if (fabs(direction[k]) < 0x1p-200) { // moves by less than 2⁻⁹⁰, as τ < 2¹⁰²
             if (!(q[k] >= lo - error && q[k] <= hi + error)) return false;
             continue;
         }
@@ -132,7 +134,7 @@ static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *r
     for (int k = 0; k < 3; k++) {
         double walked = enter * direction[k];
         set_axis(out, k, q[k] + walked, direction[k],
-                 0x1p-50 * (fabs(q[k]) + fabs(walked)) + spread + 0x1p-90);
+                 0x1p-50 * (fabs(q[k]) + fabs(walked)) + spread + 0x1p-90, leave - enter);
     }
     return true;
 }
