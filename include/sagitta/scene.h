@@ -26,8 +26,8 @@ SAG_API void sag_scene_destroy(sag_scene *scene);
 
 /// Add a geometry: everything the description points to is copied, so the caller's arrays may go. Returns its
 /// id (ids count up from 0 and are not reused) or SAG_INVALID_ID when the shape is not valid or memory is
-/// short; the first such failure is kept and returned, with its message, by sag_scene_commit, so that the
-/// calls here need no checks of their own.
+/// short; the first such failure is kept and returned, with its message, by the next sag_scene_commit (and
+/// then forgotten), so that the calls here need no checks of their own.
 SAG_API uint32_t sag_add_plane(sag_scene *scene, const sag_plane *plane);
 SAG_API uint32_t sag_add_disk(sag_scene *scene, const sag_disk *disk);
 SAG_API uint32_t sag_add_rectangle(sag_scene *scene, const sag_rectangle *rectangle);
@@ -152,9 +152,10 @@ SAG_API void sag_intersect_batch(const sag_scene *scene, const sag_ray *rays, sa
 /// sag_occluded for rays[0 … count) on all the context's threads: writes occluded[i].
 SAG_API void sag_occluded_batch(const sag_scene *scene, const sag_ray *rays, bool *occluded, size_t count);
 
-/// The area of one primitive of a geometry, placed as it is in its scene (transform included); NAN for an
-/// unknown id, INFINITY for an unbounded shape. For lights. Under a transform that is not a similarity: exact
-/// for flat shapes, else numerical.
+/// The area of one primitive of a geometry, placed as it is in its committed scene (transform included); NAN
+/// for an unknown id, INFINITY for an unbounded shape. `primitive` is the triangle of a mesh or the sphere of
+/// a set; other shapes are one whole, whatever its value. For lights. Under a transform that is not a
+/// similarity: exact for flat shapes, else numerical (within about 1e-3).
 SAG_API double sag_geometry_area(const sag_scene *scene, uint32_t geometry, uint32_t primitive);
 /// A point on one primitive, placed as it is in its scene, and its density by area: exactly 1/area for flat
 /// shapes and similarities, else the density the map makes of it. False, writing nothing, when it cannot be
