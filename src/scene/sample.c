@@ -20,7 +20,8 @@ typedef struct subject {
     const void *shape;
     sag_sphere sphere; // when it is one of a set
     const sagi_place *place;
-    bool uniform; // J is the same everywhere
+    bool uniform;      // J is the same everywhere
+    sagi_store *store; // that remembers the area, or NULL
 } subject;
 
 static bool is_flat(uint8_t kind) {
@@ -39,8 +40,10 @@ static const sagi_item *find(const sag_scene *scene, uint32_t geometry, uint32_t
     return item;
 }
 
-static void make_subject(const sagi_item *item, uint32_t primitive, subject *s) {
+static void make_subject(const sag_scene *scene, uint32_t geometry, uint32_t primitive, subject *s) {
+    const sagi_item *item = &sagi_scene_snapshot(scene)->items[geometry];
     s->class = &sagi_shape_classes[item->kind];
+    s->store = sagi_scene_snapshot(scene)->entries[geometry].store;
     s->shape = item->shape;
     s->place = item->place;
     s->uniform = item->place == NULL || item->place->similarity || is_flat(item->kind);
@@ -49,7 +52,19 @@ static void make_subject(const sagi_item *item, uint32_t primitive, subject *s) 
         s->sphere = (sag_sphere){.center = {0, 0, 0}};
         sagi_spheres_get(item->shape, primitive, &s->sphere.center, &s->sphere.radius);
         s->shape = &s->sphere;
+        s->store = NULL;
     }
+}
+
+// The area in the shape's own space. Some shapes integrate it numerically: worked out once.
+static double own_area(const subject *s) {
+    if (s->store == NULL) return s->class->area(s->shape);
+    double area = atomic_load_explicit(&s->store->area, memory_order_relaxed);
+    if (isnan(area)) {
+        area = s->class->area(s->shape);
+        atomic_store_explicit(&s->store->area, area, memory_order_relaxed);
+    }
+    return area;
 }
 
 // J at a point with this normal in the shape's space.
@@ -64,8 +79,8 @@ double sag_geometry_area(const sag_scene *scene, uint32_t geometry, uint32_t pri
     if (item == NULL) return NAN;
     if (item->kind == SAG_SHAPE_MESH) return sagi_mesh_triangle_area(item->shape, primitive);
     subject s;
-    make_subject(item, primitive, &s);
-    double area = s.class->area(s.shape), sum = 0;
+    make_subject(scene, geometry, primitive, &s);
+    double area = own_area(&s), sum = 0;
     if (s.place == NULL || !(area > 0) || !isfinite(area)) return area;
     int side = s.uniform ? 1 : GRID;
     for (int i = 0; i < side; i++)
@@ -89,9 +104,9 @@ bool sag_geometry_sample(const sag_scene *scene, uint32_t geometry, uint32_t pri
         *density = 1 / sagi_mesh_triangle_area(item->shape, primitive);
     } else {
         subject s;
-        make_subject(item, primitive, &s);
+        make_subject(scene, geometry, primitive, &s);
         if (!s.class->sample(s.shape, random, &at)) return false;
-        *density = 1 / (s.class->area(s.shape) * enlargement(s.place, at.geometric_normal));
+        *density = 1 / (own_area(&s) * enlargement(s.place, at.geometric_normal));
         if (s.place != NULL) sagi_surface_map(s.place, &at);
         if (item->kind == SAG_SHAPE_SPHERES) at.primitive = primitive;
     }
@@ -110,8 +125,8 @@ double sag_geometry_density(const sag_scene *scene, uint32_t geometry, uint32_t 
         return area > 0 ? 1 / area : 0;
     }
     subject s;
-    make_subject(item, primitive, &s);
-    double area = s.class->area(s.shape);
+    make_subject(scene, geometry, primitive, &s);
+    double area = own_area(&s);
     if (!(area > 0) || !isfinite(area)) return 0;
     if (s.place == NULL) return 1 / area;
     double back = sag_length(sag_affine_transposed(&s.place->to_scene, surface->geometric_normal));

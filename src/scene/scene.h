@@ -18,6 +18,7 @@ typedef struct sagi_store {
     const sag_context *context;
     size_t bytes; // of the whole block
     const void *shape;
+    _Atomic double area; // NAN until someone asked; every thread would find the same
 } sagi_store;
 
 // Deep copy; NULL when memory is short.

@@ -80,6 +80,7 @@ static sagi_store *allocate(const sag_context *context, size_t bytes, unsigned c
     sagi_store *store = sag_allocate(context, head + bytes);
     if (store == NULL) return NULL;
     atomic_init(&store->references, 1);
+    atomic_init(&store->area, NAN);
     store->context = context;
     store->bytes = head + bytes;
     *rest = (unsigned char *)store + head;
