@@ -21,23 +21,42 @@ static bool is_valid(const sag_box *box) {
     return box->min.x < box->max.x && box->min.y < box->max.y && box->min.z < box->max.z;
 }
 
+// The product of the magnitudes of an expansion of two components and a double, times 2^shift; exact. The
+// factors are brought near 1 first, so that nothing underflows.
+static int scaled_product(int count, double *e, double f, int shift, double *h) {
+    int e_exponent = ilogb(e[count - 1]);
+    double sign = e[count - 1] < 0 ? -1 : 1;
+    for (int i = 0; i < count; i++) e[i] = sign * ldexp(e[i], -e_exponent);
+    return sagi_expansion_scale(count, e, ldexp(fabs(f), shift - ilogb(f)), h);
+}
+
 // The sign of (a − o)/d − (b − p)/e: exact. d and e are not 0.
 static int compare_quotients(double a, double o, double d, double b, double p, double e) {
     double left[2], right[2], left_product[4], right_product[4], h[8];
     int left_count = sagi_expansion_from_diff(a, o, left),
         right_count = sagi_expansion_from_diff(b, p, right);
-    left_count = sagi_expansion_scale(left_count, left, e, left_product);
-    right_count = sagi_expansion_scale(right_count, right, d, right_product);
-    int sign =
-        sagi_expansion_sign(sagi_expansion_diff(left_count, left_product, right_count, right_product, h), h);
-    return (d < 0) == (e < 0) ? sign : -sign;
+    int left_sign = sagi_expansion_sign(left_count, left) * (d > 0 ? 1 : -1);
+    int right_sign = sagi_expansion_sign(right_count, right) * (e > 0 ? 1 : -1);
+    if (left_sign != right_sign) return left_sign > right_sign ? 1 : -1;
+    if (left_sign == 0) return 0;
+    // Both have one sign: compare (a − o) e with (b − p) d, by their exponents if these are far apart.
+    int left_exponent = ilogb(left[left_count - 1]) + ilogb(e);
+    int right_exponent = ilogb(right[right_count - 1]) + ilogb(d);
+    int shift = right_exponent - left_exponent, sign = shift > 3 ? -1 : 1;
+    if (shift >= -3 && shift <= 3) {
+        left_count = scaled_product(left_count, left, e, 0, left_product);
+        right_count = scaled_product(right_count, right, d, shift, right_product);
+        sign = sagi_expansion_sign(
+            sagi_expansion_diff(left_count, left_product, right_count, right_product, h), h);
+    }
+    return sign * left_sign;
 }
 
 // Whether every slab is entered before any is left.
-static bool overlap_exactly(const sag_box *box, const sag_ray *ray, sag_vec3 d) {
+static bool overlap_exactly(const sag_box *box, const sag_ray *ray) {
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            double di = sag_component(d, i), dj = sag_component(d, j);
+            double di = sag_component(ray->direction, i), dj = sag_component(ray->direction, j);
             if (i == j || di == 0 || dj == 0) continue;
             double enter = sag_component(di > 0 ? box->min : box->max, i);
             double leave = sag_component(dj > 0 ? box->max : box->min, j);
@@ -70,8 +89,7 @@ static bool find(const sag_box *box, const sag_ray *ray, slabs *s) {
     if (s->near_t - s->far_t > error) return false;
     if (s->far_t < ray->t_min || s->near_t > ray->t_max || !(s->near_t < INFINITY)) return false;
     if (!(s->far_t - s->near_t > error)) {
-        sag_vec3 d = sag_scale(ray->direction, sagi_power_scale(ray->direction));
-        if (!overlap_exactly(box, ray, d)) return false;
+        if (!overlap_exactly(box, ray)) return false;
         if (s->near_t > s->far_t) s->near_t = s->far_t; // equal but for rounding
     }
     return true;
