@@ -53,6 +53,12 @@ static bool clip_by(const sagi_clip_solid *solid, const sag_ray *ray, uint32_t f
     if (isnan(f.num)) return false;
     end e = {.face = face};
     int side = fabs(f.den) > f.den_error ? (f.den > 0 ? 1 : -1) : 0;
+    if (side != 0 && isinf(f.num / f.den) && isfinite(f.num)) {
+        // Nearly along the face: met beyond all numbers, if not on the wrong side of it.
+        sagi_clip_real r;
+        solid->exact(solid->solid, ray, face, &r);
+        return sagi_real_sign(&r.num) >= 0;
+    }
     if (side != 0) {
         set_interval(&e, &f);
     } else {

@@ -7,8 +7,10 @@ static sag_vec3 near_point(rng *r, const adversary *a, double sizes) {
 
 static sag_vec3 special(rng *r, const adversary *a) { return a->points[rng_below(r, a->point_count)]; }
 
-static double nudge(rng *r, double x) {
+// One double up or down. From 0 a step of 2⁻⁸⁰ sizes instead: t must not be too small for a double.
+static double nudge(rng *r, const adversary *a, double x) {
     uint32_t choice = rng_below(r, 4);
+    if (x == 0 && choice < 2) return (choice == 0 ? 0x1p-80 : -0x1p-80) * a->size;
     return choice == 0 ? nextafter(x, INFINITY) : choice == 1 ? nextafter(x, -INFINITY) : x;
 }
 
@@ -30,15 +32,15 @@ sag_ray adversarial_ray(rng *r, const adversary *a) {
         d = axis(r), o = sag_madd(target, rng_uniform(r, -3, 3) * a->size, d);
         break;
     case 2: // along an axis through the coordinates of special points
-        d = axis(r), o = (sag_vec3){nudge(r, p.x), nudge(r, q.y), nudge(r, p.z)};
+        d = axis(r), o = (sag_vec3){nudge(r, a, p.x), nudge(r, a, q.y), nudge(r, a, p.z)};
         o = sag_madd(o, rng_below(r, 3) * a->size * rng_uniform(r, -2, 2), d);
         break;
     case 3: // from a special point
-        o = (sag_vec3){nudge(r, p.x), nudge(r, p.y), nudge(r, p.z)}, d = rng_direction(r);
+        o = (sag_vec3){nudge(r, a, p.x), nudge(r, a, p.y), nudge(r, a, p.z)}, d = rng_direction(r);
         break;
     case 4: // from one special point to another, from before it, or beside it
         d = sag_sub(q, p), o = sag_madd(p, -(double)rng_below(r, 3), d);
-        o = (sag_vec3){nudge(r, o.x), nudge(r, o.y), nudge(r, o.z)};
+        o = (sag_vec3){nudge(r, a, o.x), nudge(r, a, o.y), nudge(r, a, o.z)};
         if (sag_dot(d, d) == 0) d = axis(r);
         break;
     case 5: // a denormal or zero part of the direction
