@@ -146,9 +146,13 @@ sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
     if (p->in_object) return sagi_place_error(place, p->error, "ObjectInstance within an object");
     if (!sagi_names_get(&p->object_names, (sagi_slice){name, strlen(name)}, &index))
         return sagi_place_error(place, p->error, "there is no object \"%.100s\"", name);
-    if (sag_add_instance(p->scene, p->objects[index].scene, &p->state.ctm) != SAG_INVALID_ID) return SAG_OK;
-    return sagi_place_error(place, p->error,
-                            "the object \"%.100s\" cannot be placed: the transform is singular", name);
+    sag_affine inverse;
+    if (!sag_affine_inverse(&p->state.ctm, &inverse))
+        return sagi_place_error(place, p->error,
+                                "the object \"%.100s\" cannot be placed: the transform is singular", name);
+    return sag_add_instance(p->scene, p->objects[index].scene, &p->state.ctm) != SAG_INVALID_ID
+               ? SAG_OK
+               : sagi_pbrt_out_of_memory(p);
 }
 
 // ---- transforms

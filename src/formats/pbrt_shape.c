@@ -43,8 +43,11 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
     if (p->params.status != SAG_OK) return p->params.status;
     const uint32_t geometry = sag_add_shape(p->scene, kind, shape);
     if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
-    if (!sag_affine_is_identity(placed) && sag_geometry_set_transform(p->scene, geometry, placed) != SAG_OK)
-        return sagi_params_fail(&p->params, NULL, "the transform is singular");
+    if (!sag_affine_is_identity(placed)) {
+        const sag_status status = sag_geometry_set_transform(p->scene, geometry, placed);
+        if (status == SAG_ERROR_MEMORY) return sagi_pbrt_out_of_memory(p);
+        if (status != SAG_OK) return sagi_params_fail(&p->params, NULL, "the transform is singular");
+    }
     if (p->options->geometry_only) return SAG_OK;
     sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
     // A mesh is moved vertex by vertex: its normal turns with the handedness, as pbrt's does and then turns

@@ -232,9 +232,11 @@ sag_status sagi_pbrt_texture(sagi_pbrt *p, sagi_place place) {
         return status;
     }
     const sag_texture_id id = sag_world_add_texture(p->world, &texture);
-    if (!id)
-        return sagi_place_error(place, p->error,
-                                "the texture cannot be added: out of memory, or nested too deep");
+    if (!id) { // out of memory or nested too deep, which a plain one tells apart
+        const sag_texture plain = {.kind = SAG_TEXTURE_CONSTANT};
+        if (!sag_world_add_texture(p->world, &plain)) return sagi_pbrt_out_of_memory(p);
+        return sagi_place_error(place, p->error, "the textures \"%.60s\" is made of nest too deep", name);
+    }
     sagi_names *names = is_color ? &p->spectrum_textures : &p->float_textures;
     return sagi_names_set(names, (sagi_slice){name, strlen(name)}, id) ? SAG_OK : sagi_pbrt_out_of_memory(p);
 }
