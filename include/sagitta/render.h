@@ -63,7 +63,7 @@ typedef enum sag_material_kind {
     SAG_MATERIAL_CONDUCTOR,       ///< metal: eta, k (or reflectance when both are 0); roughness
     SAG_MATERIAL_DIELECTRIC,      ///< glass: eta.r is the index of refraction; both sides
     SAG_MATERIAL_THIN_DIELECTRIC, ///< a pane: reflection and straight transmission, all inner bounces
-    SAG_MATERIAL_COATED_DIFFUSE,  ///< plastic: diffuse under a smooth or rough coat of index eta.r
+    SAG_MATERIAL_COATED_DIFFUSE,  ///< plastic: diffuse under a smooth or rough coat of index eta.r (0: 1.5)
     SAG_MATERIAL_INTERFACE,       ///< not there at all: rays go on
 } sag_material_kind;
 
@@ -73,6 +73,11 @@ typedef struct sag_material {
     sag_input reflectance;
     sag_input eta, k;
     sag_input roughness_u, roughness_v; ///< Trowbridge–Reitz α; 0 is a perfect mirror
+    /// Of a coat: its thickness in mean free paths of light (it absorbs exp(−thickness/cos) on the way; 0:
+    /// clear) and how many times light leaves the base at most (0: as often as it likes). pbrt-v4's default
+    /// amounts to 0.01 and 5.
+    double thickness;
+    uint32_t bounces;
 } sag_material;
 
 // -----------------------------------------------------------------------------------------------------------

@@ -86,8 +86,11 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
         m->eta = read_index(p, "eta");
         read_roughness(p, place, "roughness", "uroughness", "vroughness", m);
-        const char *const unneeded[] = {"thickness", "maxdepth", "nsamples"};
-        for (size_t i = 0; i < 3; i++) sagi_pbrt_ignore(p, unneeded[i], NULL);
+        m->thickness = fmax(sagi_pbrt_float_input(p, "thickness", 0.01).value.r, 0);
+        // pbrt's walk counts each layer it meets: the base is every other one.
+        const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 10);
+        m->bounces = depth > 0 ? (uint32_t)depth / 2 + (uint32_t)depth % 2 : 1;
+        sagi_pbrt_ignore(p, "nsamples", NULL);
         sagi_pbrt_ignore(p, "albedo", "(of the medium within the coat) is not supported");
         sagi_pbrt_ignore(p, "g", NULL);
     } else if (strcmp(kind, "coatedconductor") == 0) {

@@ -17,7 +17,11 @@ typedef struct sagi_bsdf {
     sag_rgb color;      // reflectance
     sag_rgb eta, k;     // of a metal
     double ior;         // of glass and coats
-    double inner_mean;  // of coats: sagi_fresnel_inner_mean(ior)
+    // Of coats, see coated.c: sagi_fresnel_inner_mean, the material's own, and base: color with all inner
+    // bounces.
+    double inner_mean, thickness;
+    uint32_t bounces;
+    sag_rgb base;
     sagi_microfacet facets;
 } sagi_bsdf;
 
@@ -47,6 +51,8 @@ bool sagi_conductor_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *
 sag_rgb sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_dielectric_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sample);
+// Once color and the coat's numbers are known.
+void sagi_coated_prepare(sagi_bsdf *bsdf);
 sag_rgb sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 

@@ -4,23 +4,39 @@
 // until it gets out at 1 − F(θo):
 //     f = (1 − F(θi)) (1 − F(θo)) ρ/(π η² (1 − ρ r)),   r = 1 − (1 − mean F)/η²
 // (1/η² because radiance inside is compressed). Integrated over wi this is (1 − F(θo)) ρ (1 − r)/(1 − ρ r):
-// with the coat's own F(θo) exactly 1 for ρ = 1, so nothing is lost or made. This is the limit of pbrt's
-// layered random walk for a smooth coat of no thickness. A rough coat replaces the mirror by facets and keeps
-// the rest.
+// with the coat's own F(θo) exactly 1 for ρ = 1, so nothing is lost or made. A rough coat replaces the mirror
+// by facets and keeps the rest.
+//
+// pbrt-v4 makes a random walk of it that loses a little more, and pictures are compared with its: the coat
+// absorbs exp(−τ/μ') on each way through (τ its thickness, μ' the cosine inside), so that r becomes ∫ F
+// e^(−2τ/μ) 2μ dμ; and the walk ends, so that 1/(1 − ρr) = 1 + ρr + (ρr)² + … has N terms. With τ = 0 and N =
+// 0 (meaning ∞) it is the lossless coat above.
 #include "bsdf.h"
 #include "fresnel.h"
 #include "warp.h"
 
-// The diffuse part's share for each colour, F's excluded, and the probability of sampling the coat.
-static sag_rgb base_albedo(const sagi_bsdf *bsdf) {
-    double r = bsdf->inner_mean;
-    sag_rgb c = bsdf->color;
-    return sagi_rgb(c.r * (1 - r) / (1 - c.r * r), c.g * (1 - r) / (1 - c.g * r),
-                    c.b * (1 - r) / (1 - c.b * r));
+// The sum of the first `terms` powers of x, all for 0; 0 ≤ x < 1.
+static double bounces_sum(double x, uint32_t terms) {
+    return (terms == 0 ? 1 : 1 - pow(x, (double)terms)) / (1 - x);
 }
 
-static double coat_probability(double reflectance, sag_rgb base) {
-    double base_share = (1 - reflectance) * sagi_rgb_max(base);
+void sagi_coated_prepare(sagi_bsdf *bsdf) {
+    sag_rgb c = bsdf->color;
+    double r = bsdf->inner_mean;
+    bsdf->base =
+        sagi_rgb(c.r * bounces_sum(c.r * r, bsdf->bounces), c.g * bounces_sum(c.g * r, bsdf->bounces),
+                 c.b * bounces_sum(c.b * r, bsdf->bounces));
+}
+
+// What gets through the coat in direction w, w.z > 0, one way, given its reflectance there.
+static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
+    if (!(bsdf->thickness > 0)) return 1 - reflectance;
+    double inside = sqrt(1 - fmin(1, 1 - w.z * w.z) / (bsdf->ior * bsdf->ior));
+    return (1 - reflectance) * exp(-bsdf->thickness / inside);
+}
+
+static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
+    double base_share = (1 - reflectance) * sagi_rgb_max(bsdf->base) * (1 - bsdf->inner_mean);
     // In proportion to what each gives back, but the coat, which may show a bright light, never seldom.
     return sagi_clamp(reflectance / (reflectance + base_share), 0.1, 1);
 }
@@ -29,12 +45,10 @@ static double coat_probability(double reflectance, sag_rgb base) {
 static sag_vec3 upward(const sagi_bsdf *bsdf, sag_vec3 w) { return bsdf->wo.z < 0 ? sag_neg(w) : w; }
 
 static sag_rgb eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi, double *pdf) {
-    sag_rgb base = base_albedo(bsdf);
     double out = sagi_fresnel_dielectric(wo.z, bsdf->ior), in = sagi_fresnel_dielectric(wi.z, bsdf->ior);
-    double coat = coat_probability(out, base);
-    // 1/η² = (1 − r)/(1 − mean F), and base_albedo holds the 1 − r.
-    double mean_out = (1 - bsdf->inner_mean) * bsdf->ior * bsdf->ior;
-    sag_rgb value = sagi_rgb_scale(base, (1 - out) * (1 - in) / mean_out * wi.z * SAGI_INV_PI);
+    double coat = coat_probability(bsdf, out);
+    double through = transmittance(bsdf, wo, out) * transmittance(bsdf, wi, in) / (bsdf->ior * bsdf->ior);
+    sag_rgb value = sagi_rgb_scale(bsdf->base, through * wi.z * SAGI_INV_PI);
     *pdf = (1 - coat) * wi.z * SAGI_INV_PI;
     if (!(bsdf->facets.ax > 0)) return value;
     sag_vec3 m = sag_normalize(sag_add(wo, wi));
@@ -52,7 +66,7 @@ sag_rgb sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
 bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample) {
     sag_vec3 wo = upward(bsdf, bsdf->wo), wi;
     double reflectance = sagi_fresnel_dielectric(wo.z, bsdf->ior);
-    double coat = coat_probability(reflectance, base_albedo(bsdf));
+    double coat = coat_probability(bsdf, reflectance);
     if (choose < coat) {
         if (!(bsdf->facets.ax > 0)) {
             sample->wi = upward(bsdf, sag_vec3_make(-wo.x, -wo.y, wo.z));

@@ -57,15 +57,15 @@ bool sagi_refract(sag_vec3 w, sag_vec3 n, double eta, double *eta_path, sag_vec3
 }
 
 // The outer mean is ∫₀¹ F(√s) ds over s = cos² (since 2 cos θ sin θ dθ = d(sin²)). Radiance is squeezed by η²
-// inside, so the share that gets out, 1 − inner, is (1 − outer)/η². Midpoint rule: F(√s) is smooth but for √s
-// at 0.
-double sagi_fresnel_inner_mean(double eta) {
-    const int steps = 512;
-    double outer = 0;
+// inside, so the share that gets out, 1 − inner, is (1 − outer)/η²: exactly what a lossless coat needs. What
+// is absorbed is taken off that. Midpoint rule.
+double sagi_fresnel_inner_mean(double eta, double thickness) {
+    const int steps = 1024;
+    double outer = 0, absorbed = 0;
     for (int i = 0; i < steps; i++) {
-        // s = x² puts the points densely where F rises; ds = 2x dx.
-        double x = (i + 0.5) / steps;
+        double x = (i + 0.5) / steps; // the cosine
         outer += sagi_fresnel_dielectric(x, eta) * 2 * x / steps;
+        absorbed += sagi_fresnel_dielectric(x, 1 / eta) * (1 - exp(-2 * thickness / x)) * 2 * x / steps;
     }
-    return 1 - (1 - outer) / (eta * eta);
+    return 1 - (1 - outer) / (eta * eta) - absorbed;
 }

@@ -14,7 +14,8 @@ sag_rgb sagi_fresnel_conductor_rgb(double cos_i, sag_rgb eta, sag_rgb k);
 // The direction w bent at a surface of unit normal n (on w's side or not; eta = n_below/n_above as n points
 // up): *refracted, and *eta_path = the ratio of indices as w crosses. False under total internal reflection.
 bool sagi_refract(sag_vec3 w, sag_vec3 n, double eta, double *eta_path, sag_vec3 *refracted);
-// The mean of the dielectric reflectance over the cosine-weighted hemisphere inside a coat of index eta.
-double sagi_fresnel_inner_mean(double eta);
+// The mean of the dielectric reflectance over the cosine-weighted hemisphere inside a coat of index eta,
+// dimmed by the way back and forth through its thickness: F(μ) exp(−2 thickness/μ).
+double sagi_fresnel_inner_mean(double eta, double thickness);
 
 #endif

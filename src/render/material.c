@@ -62,6 +62,9 @@ bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appea
             bsdf->color = sagi_rgb_clamp(sagi_input_evaluate(world, &material->reflectance, surface));
             bsdf->facets = read_roughness(world, material, surface);
             bsdf->inner_mean = entry->inner_mean;
+            bsdf->thickness = material->thickness;
+            bsdf->bounces = material->bounces;
+            sagi_coated_prepare(bsdf);
             break;
         case SAG_MATERIAL_INTERFACE: return false;
         }

@@ -124,7 +124,8 @@ uint32_t sag_world_add_material(sag_world *world, const sag_material *material) 
     if (!slot) return 0;
     slot->material = *material;
     if (material->kind == SAG_MATERIAL_COATED_DIFFUSE)
-        slot->inner_mean = sagi_fresnel_inner_mean(material->eta.value.r > 0 ? material->eta.value.r : 1.5);
+        slot->inner_mean = sagi_fresnel_inner_mean(material->eta.value.r > 0 ? material->eta.value.r : 1.5,
+                                                   fmax(material->thickness, 0));
     world->materials.count++;
     return (uint32_t)world->materials.count;
 }

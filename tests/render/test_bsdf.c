@@ -32,7 +32,7 @@ static void fresnel_is_right_where_it_is_known(void **state) {
     assert_true(fabs(sagi_fresnel_conductor(1, 0.2, 3.9) - (0.64 + 15.21) / (1.44 + 15.21)) < 1e-14);
     assert_true(fabs(sagi_fresnel_conductor(1e-9, 0.2, 3.9) - 1) < 1e-6);
     // The known mean reflectance inside glass of 1.5.
-    assert_true(fabs(sagi_fresnel_inner_mean(1.5) - 0.5963) < 1e-3);
+    assert_true(fabs(sagi_fresnel_inner_mean(1.5, 0) - 0.5963) < 1e-3);
 }
 
 static void refraction_obeys_snell(void **state) {
@@ -74,6 +74,13 @@ static const material_case cases[] = {
      0.3},
     {"rough glass", {.kind = SAG_MATERIAL_DIELECTRIC, .ior = 1.5, .facets = {0.3, 0.3}}, 0.3},
     {"coated", {.kind = SAG_MATERIAL_COATED_DIFFUSE, .ior = 1.5, .color = {1, 0.5, 0.1}}, 0},
+    {"absorbing coat",
+     {.kind = SAG_MATERIAL_COATED_DIFFUSE,
+      .ior = 1.5,
+      .color = {1, 0.5, 0.1},
+      .thickness = 0.01,
+      .bounces = 5},
+     0.2},
     {"rough coat",
      {.kind = SAG_MATERIAL_COATED_DIFFUSE, .ior = 1.5, .color = {1, 0.5, 0.1}, .facets = {0.2, 0.2}},
      0.3},
@@ -82,7 +89,10 @@ static const material_case cases[] = {
 
 static sagi_bsdf make(const material_case *c, sag_vec3 wo) {
     sagi_bsdf bsdf = c->bsdf;
-    if (bsdf.kind == SAG_MATERIAL_COATED_DIFFUSE) bsdf.inner_mean = sagi_fresnel_inner_mean(bsdf.ior);
+    if (bsdf.kind == SAG_MATERIAL_COATED_DIFFUSE) {
+        bsdf.inner_mean = sagi_fresnel_inner_mean(bsdf.ior, bsdf.thickness);
+        sagi_coated_prepare(&bsdf);
+    }
     sagi_bsdf_set_frame(&bsdf, sag_vec3_make(0, 0, 1), sag_vec3_make(0, 0, 1), sag_vec3_make(1, 0, 0), wo);
     return bsdf;
 }
