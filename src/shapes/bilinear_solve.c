@@ -158,19 +158,27 @@ typedef struct real_problem {
     sagi_real3 d, a, w, e0, e1, twist; // the segment's ends move along e0 and e1
 } real_problem;
 
-// The crossing at an exact root u.
+// Numbers here are of the order of 1 and good to 2⁻³⁴⁰ at least: less than that is an exact 0 that a root
+// which is no binary fraction has blurred.
+static int sign_of(const sagi_real *a) {
+    return fabs(sagi_real_to_double(a)) < 0x1p-340 ? 0 : sagi_real_sign(a);
+}
+
+// The crossing at a root u; the rim belongs to the patch.
 static void add_real(const problem *p, const real_problem *r, sagi_real u, sagi_crossings *list) {
-    const sagi_real one = sagi_real_from(1);
-    if (sagi_real_sign(&u) < 0 || sagi_real_compare(u, one) > 0) return;
+    sagi_real beyond = sagi_real_sub(u, sagi_real_from(1));
+    if (sign_of(&u) < 0 || sign_of(&beyond) > 0) return;
     sagi_real3 a = sagi_real3_madd(&r->a, u, &r->e0), w = sagi_real3_madd(&r->w, u, &r->twist);
     sagi_real3 m = sagi_real3_cross(&r->d, &w), a_d = sagi_real3_cross(&a, &r->d);
     sagi_real3 a_w = sagi_real3_cross(&a, &w);
     sagi_real square = sagi_real3_dot(&m, &m), v = sagi_real3_dot(&a_d, &m);
     if (sagi_real_sign(&square) == 0) return; // along the ray, or no segment at all
-    if (sagi_real_sign(&v) < 0 || sagi_real_compare(v, square) > 0) return;
     v = sagi_real_div(v, square);
+    beyond = sagi_real_sub(v, sagi_real_from(1));
+    if (sign_of(&v) < 0 || sign_of(&beyond) > 0) return;
     sagi_real t = sagi_real_div(sagi_real3_dot(&a_w, &m), square);
-    add(p, sagi_real_to_double(&u), sagi_real_to_double(&v), sagi_real_to_double(&t), list);
+    add(p, fmin(fmax(sagi_real_to_double(&u), 0), 1), fmin(fmax(sagi_real_to_double(&v), 0), 1),
+        sign_of(&t) == 0 ? 0 : sagi_real_to_double(&t), list);
 }
 
 static sagi_real det_real(const sagi_real3 *a, const sagi_real3 *b, const sagi_real3 *c) {
