@@ -81,7 +81,7 @@ typedef struct sag_mesh_report {
 
 /// Examines a mesh; needs memory of about 40 bytes a triangle from the context. SAG_ERROR_GEOMETRY for an
 /// index out of range (the message names the triangle), SAG_ERROR_ARGUMENT for more than 1,431,655,765
-/// triangles, SAG_ERROR_MEMORY; *report is written on SAG_OK only. (tests/unit/test_mesh_check.c)
+/// triangles, SAG_ERROR_MEMORY; *report is written on SAG_OK only. (tests/unit/test_mesh.c)
 SAG_API sag_status sag_mesh_check(const sag_context *context, const sag_mesh *mesh, sag_mesh_report *report,
                                   sag_error *error);
 
