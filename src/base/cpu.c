@@ -59,8 +59,6 @@ bool sagi_cpu_has(sagi_isa isa) {
 #endif
 }
 
-bool sagi_isa_is_built(sagi_isa isa) { return isa == SAGI_ISA_PORTABLE; }
-
 bool sagi_isa_choose(const char *name, sagi_isa *isa) {
     for (int i = SAGI_ISA_COUNT - 1; i >= 0; i--) {
         if (name != NULL && strcmp(name, names[i]) != 0) continue;

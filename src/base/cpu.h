@@ -19,7 +19,7 @@ typedef enum sagi_isa {
 const char *sagi_isa_name(sagi_isa isa);
 // Whether the processor and the operating system can both run it.
 bool sagi_cpu_has(sagi_isa isa);
-// Whether this build has kernels for it.
+// Whether this build has kernels for it; only the kernels know (src/kernel/pick.c).
 bool sagi_isa_is_built(sagi_isa isa);
 // The named instruction set, or the best when `name` is NULL. False, writing nothing, when the name is
 // unknown or there are no kernels for it or the machine cannot run them.
