@@ -106,7 +106,9 @@ void random_shape_make(rng *r, sag_shape_kind kind, double size, random_shape *s
     bool closed = phi == 0 && rng_one_in(r, 2);
     s->kind = kind;
     switch (kind) {
-    case SAG_SHAPE_PLANE: s->as.plane = (sag_plane){point(r, size), rng_direction(r), {0}, {0}}; break;
+    case SAG_SHAPE_PLANE:
+        s->as.plane = (sag_plane){.point = point(r, size), .normal = rng_direction(r)};
+        break;
     case SAG_SHAPE_DISK:
         s->as.disk =
             (sag_disk){.center = point(r, size), .normal = rng_direction(r), .radius = length(r, size)};
