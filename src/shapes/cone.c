@@ -89,9 +89,13 @@ size_t sag_cone_crossings(const sag_cone *c, const sag_ray *ray, sag_hit *hits, 
     return sagi_crossings_write(&list, hits, capacity);
 }
 
-// The gradient vanishes in the apex and is turned around above it, where rounding may put a point: the
-// normal's z is positive everywhere.
-static void face_up(sag_surface *surface) { surface->geometric_normal.z = fabs(surface->geometric_normal.z); }
+// The normal's z is positive everywhere; but the gradient vanishes in the apex and is turned around above it,
+// where rounding may put a point.
+static void face_up(sag_surface *surface) {
+    sag_vec3 *n = &surface->geometric_normal;
+    if (n->z == 0) *n = sag_vec3_make(0, 0, 1);
+    n->z = fabs(n->z);
+}
 
 // The lines from the base to the apex are the v lines: dp/dv points along one, height up and inward by
 // radius.

@@ -39,13 +39,16 @@ static sag_vec3 scaled(sag_vec3 p, int exponent) {
     return sag_vec3_make(ldexp(p.x, exponent), ldexp(p.y, exponent), ldexp(p.z, exponent));
 }
 
-// `own` gets the scaled segment and is what the form refers to.
+// `own` gets the scaled segment and is what the form refers to. It starts at the end nearer to the axis:
+// where that is a cone's apex, ζ counts from there and nothing cancels near it.
 static sagi_quadric_form form_of(const sag_hyperboloid *h, sag_hyperboloid *own) {
     sag_vec3 between = sag_abs(sag_sub(h->p2, h->p1));
-    double size = fmax(sag_max_component(between), fmax(hypot(h->p1.x, h->p1.y), hypot(h->p2.x, h->p2.y)));
-    int exponent = sagi_size_exponent(size);
-    *own = *h;
-    if (exponent != 0) own->p1 = scaled(h->p1, -exponent), own->p2 = scaled(h->p2, -exponent);
+    double rho1 = hypot(h->p1.x, h->p1.y), rho2 = hypot(h->p2.x, h->p2.y);
+    int exponent = sagi_size_exponent(fmax(sag_max_component(between), fmax(rho1, rho2)));
+    *own = rho2 < rho1 ? (sag_hyperboloid){.p1 = h->p2, .p2 = h->p1}
+                       : (sag_hyperboloid){.p1 = h->p1, .p2 = h->p2};
+    double base = own->p1.z;
+    if (exponent != 0) own->p1 = scaled(own->p1, -exponent), own->p2 = scaled(own->p2, -exponent);
     sag_vec3 p = own->p1, q = own->p2;
     sagi_dd dx = sagi_two_sum(q.x, -p.x), dy = sagi_two_sum(q.y, -p.y), dz = sagi_two_sum(q.z, -p.z);
     sagi_dd zz = sagi_dd_mul(dz, dz);
@@ -56,7 +59,7 @@ static sagi_quadric_form form_of(const sag_hyperboloid *h, sag_hyperboloid *own)
         .square = {zz, zz, sagi_dd_neg(across)},
         .linear = {[2] = sagi_dd_neg(sagi_dd_mul(dz, along))},
         .constant = sagi_dd_neg(sagi_dd_mul(zz, start)),
-        .center = {0, 0, h->p1.z},
+        .center = {0, 0, base},
         .exponent = exponent,
         .exact = exact,
         .shape = own,
