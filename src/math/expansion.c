@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "math/expansion.h"
 #include "math/dd.h"
+#include <stdbool.h>
 #include <string.h>
+
+// NaN counts as zero here: an overflow must not lengthen an expansion beyond its room.
+static inline bool is_nonzero(double x) { return x < 0 || x > 0; }
 
 // Shewchuk's FAST-EXPANSION-SUM with zero elimination: merge by magnitude, then carry upward.
 int sagi_expansion_sum(int n, const double *e, int m, const double *f, double *h) {
@@ -15,7 +19,7 @@ int sagi_expansion_sum(int n, const double *e, int m, const double *f, double *h
             next = f[j++];
         sagi_dd s = sagi_two_sum(carry, next);
         carry = s.hi;
-        if (s.lo != 0) h[count++] = s.lo;
+        if (is_nonzero(s.lo)) h[count++] = s.lo;
     }
     if (carry != 0) h[count++] = carry;
     return count;
@@ -32,14 +36,14 @@ int sagi_expansion_scale(int n, const double *e, double b, double *h) {
     if (n == 0 || b == 0) return 0;
     int count = 0;
     sagi_dd q = sagi_two_prod(e[0], b);
-    if (q.lo != 0) h[count++] = q.lo;
+    if (is_nonzero(q.lo)) h[count++] = q.lo;
     double carry = q.hi;
     for (int i = 1; i < n; i++) {
         sagi_dd p = sagi_two_prod(e[i], b);
         sagi_dd s = sagi_two_sum(carry, p.lo);
-        if (s.lo != 0) h[count++] = s.lo;
+        if (is_nonzero(s.lo)) h[count++] = s.lo;
         sagi_dd t = sagi_fast_two_sum(p.hi, s.hi);
-        if (t.lo != 0) h[count++] = t.lo;
+        if (is_nonzero(t.lo)) h[count++] = t.lo;
         carry = t.hi;
     }
     if (carry != 0) h[count++] = carry;
@@ -66,7 +70,7 @@ int sagi_expansion_compress(int n, const double *e, double *h) {
     for (int i = n - 2; i >= 0; i--) {
         sagi_dd s = sagi_fast_two_sum(carry, e[i]);
         carry = s.hi;
-        if (s.lo != 0) {
+        if (is_nonzero(s.lo)) {
             down[bottom++] = carry;
             carry = s.lo;
         }
@@ -76,7 +80,7 @@ int sagi_expansion_compress(int n, const double *e, double *h) {
     for (int i = bottom - 1; i >= 0; i--) {
         sagi_dd s = sagi_fast_two_sum(down[i], carry);
         carry = s.hi;
-        if (s.lo != 0) h[count++] = s.lo;
+        if (is_nonzero(s.lo)) h[count++] = s.lo;
     }
     if (carry != 0) h[count++] = carry;
     return count;
@@ -85,7 +89,7 @@ int sagi_expansion_compress(int n, const double *e, double *h) {
 int sagi_expansion_from_diff(double a, double b, double *h) {
     sagi_dd s = sagi_two_sum(a, -b);
     int count = 0;
-    if (s.lo != 0) h[count++] = s.lo;
+    if (is_nonzero(s.lo)) h[count++] = s.lo;
     if (s.hi != 0) h[count++] = s.hi;
     return count;
 }

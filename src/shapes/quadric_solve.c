@@ -24,7 +24,8 @@
 
 #define EPSILON     (16 * SAGI_EPSILON)
 #define EPSILON_DD  0x1p-99
-#define SHIFT_GUARD 64 // D must be this many times its error for stage 1's roots to be good guesses
+#define FARTHEST    0x1p200 // beyond that many sizes of the shape b² may overflow; a ray from there is a miss
+#define SHIFT_GUARD 64      // D must be this many times its error for stage 1's roots to be good guesses
 
 // The ray in the form's coordinates: y = origin + τ·direction, τ = t·2^exponent.
 typedef struct local_ray {
@@ -313,7 +314,9 @@ static bool solve(const sagi_quadric_form *form, const local_ray *ray, sagi_span
 
 sagi_spans sagi_quadric_spans(const sagi_quadric_form *form, const sag_ray *ray) {
     local_ray local = localise(form, ray);
-    sagi_spans spans;
+    sagi_spans spans = {0};
+    double far = fmax(fabs(local.origin[0].hi), fmax(fabs(local.origin[1].hi), fabs(local.origin[2].hi)));
+    if (!(far < FARTHEST)) return spans;
     if (!solve(form, &local, &spans)) spans = solve_exactly(form, &local);
     for (int i = 0; i < spans.count && local.exponent != 0; i++) {
         spans.enter[i] = ldexp(spans.enter[i], -local.exponent);

@@ -28,8 +28,8 @@ sag_status sag_sphere_validate(const sag_sphere *s, sag_error *error) {
     if (status == SAG_OK) status = sagi_check_positive(error, "sphere", "radius", s->radius);
     if (status == SAG_OK) status = sagi_sweep_validate(error, "sphere", s->phi_max_rad);
     if (status != SAG_OK || !is_clipped(s)) return status;
-    if (!(s->z_min < s->z_max))
-        return sagi_invalid(error, "sphere", "z_min", s->z_min, "must be less than z_max");
+    status = sagi_check_interval(error, "sphere", s->z_min, s->z_max);
+    if (status != SAG_OK) return status;
     if (!(s->z_min < s->radius))
         return sagi_invalid(error, "sphere", "z_min", s->z_min, "leaves nothing: it must be below radius");
     if (!(s->z_max > -s->radius))
