@@ -250,6 +250,9 @@ static sag_status cast_rays(const cast_options *o, sag_world *world, sag_error *
     if (status != SAG_OK) return status;
     interrupt_catch();
     sagi_ray_reader_set_stop(reader, &interrupt_flag);
+    if (strcmp(o->rays, "-") == 0 && isatty(STDIN_FILENO) && !o->quiet) {
+        fprintf(stderr, "rays, one a line (ox,oy,oz,dx,dy,dz); Ctrl-D ends:\n");
+    }
     const double start = clock_seconds();
     progress bar;
     // Rows that scroll over the terminal and a bar would only disturb each other.
