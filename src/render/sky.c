@@ -8,6 +8,8 @@
 #include "light.h"
 #include "warp.h"
 
+#define MAX_PICTURE_SIZE 32768u // its texels are counted in 32 bits
+
 static bool has_picture(const sagi_light *light) { return light->light.image.pixels != NULL; }
 
 static sag_rgb texel_value(const sag_image *image, size_t index) {
@@ -22,6 +24,9 @@ sag_status sagi_sky_init(sagi_light *light, const sag_context *context, sag_erro
         return sag_error_set(error, SAG_ERROR_ARGUMENT,
                              "an infinite light's picture must be square, not %ux%u", image->width,
                              image->height);
+    if (image->width > MAX_PICTURE_SIZE)
+        return sag_error_set(error, SAG_ERROR_ARGUMENT,
+                             "an infinite light's picture is at most %u pixels wide", MAX_PICTURE_SIZE);
     light->placed = false;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) light->placed |= light->light.to_world.m[i][j] != 0;

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// Textures: pictures with every wrap, checkerboards, mixtures; and what a material makes of its inputs.
+// clang-format off
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+#include "render/world.h"
+
+typedef struct room {
+    sag_context *context;
+    sag_world *world;
+} room;
+
+static room room_open(void) {
+    sag_context *context = sag_context_create(NULL);
+    return (room){context, sag_world_create(context)};
+}
+
+static void room_close(room *r) {
+    sag_world_destroy(r->world);
+    sag_context_destroy(r->context);
+}
+
+static double value_at(const room *r, sag_texture_id id, double u, double v) {
+    sag_surface surface = {.u = u, .v = v};
+    sag_input input = {.value = {-1, -1, -1}, .texture = id};
+    return sagi_input_evaluate(r->world, &input, &surface).r;
+}
+
+// Two by two texels, from the top left: 1 2 / 3 4.
+static sag_texture small_picture(const room *r, sag_wrap wrap) {
+    sag_texture texture = {.kind = SAG_TEXTURE_IMAGE, .wrap = wrap};
+    assert_int_equal(sag_image_create(r->context, 2, 2, 1, &texture.image, NULL), SAG_OK);
+    for (int i = 0; i < 4; i++) texture.image.pixels[i] = (float)(i + 1);
+    return texture;
+}
+
+static void pictures_are_bilinear_from_the_bottom(void **state) {
+    (void)state;
+    room r = room_open();
+    sag_texture texture = small_picture(&r, SAG_WRAP_CLAMP);
+    sag_texture_id id = sag_world_add_texture(r.world, &texture);
+    assert_int_equal(id, 1);
+    // Texel centres; v = 0 is the bottom.
+    assert_true(value_at(&r, id, 0.25, 0.75) == 1 && value_at(&r, id, 0.75, 0.75) == 2);
+    assert_true(value_at(&r, id, 0.25, 0.25) == 3 && value_at(&r, id, 0.75, 0.25) == 4);
+    assert_true(value_at(&r, id, 0.5, 0.5) == 2.5);
+    assert_true(value_at(&r, id, 0.5, 0.75) == 1.5);
+    // Beyond the edge.
+    assert_true(value_at(&r, id, -7, 9) == 1 && value_at(&r, id, 12, -3) == 4);
+    assert_true(value_at(&r, id, NAN, 0.5) == 0 && value_at(&r, id, INFINITY, 0.5) == 0);
+    texture = small_picture(&r, SAG_WRAP_BLACK);
+    id = sag_world_add_texture(r.world, &texture);
+    assert_true(value_at(&r, id, 0.25, 0.75) == 1 && value_at(&r, id, -7, 9) == 0);
+    assert_true(value_at(&r, id, 0, 0.75) == 0.5); // half of it is outside
+    texture = small_picture(&r, SAG_WRAP_REPEAT);
+    id = sag_world_add_texture(r.world, &texture);
+    assert_true(value_at(&r, id, 0, 0.75) == 1.5);
+    for (int i = -3; i <= 3; i++) assert_true(value_at(&r, id, 0.25 + i, 0.75 - 2 * i) == 1);
+    assert_true(value_at(&r, id, 1e300, 0.75) >= 1); // some texel, but one that is there
+    room_close(&r);
+}
+
+static void pictures_are_scaled_inverted_and_placed(void **state) {
+    (void)state;
+    room r = room_open();
+    sag_texture texture = small_picture(&r, SAG_WRAP_REPEAT);
+    texture.scale = 10, texture.invert = true;
+    texture.u_scale = 2, texture.v_offset = 0.5;
+    sag_texture_id id = sag_world_add_texture(r.world, &texture);
+    assert_true(value_at(&r, id, 0.125, 0.25) == 0);    // 1 − 1
+    assert_true(value_at(&r, id, 0.375, 0.25) == -10);  // 1 − 2
+    assert_true(value_at(&r, id, 0.125, -0.25) == -20); // 1 − 3
+    room_close(&r);
+}
+
+static void checkerboards_alternate(void **state) {
+    (void)state;
+    room r = room_open();
+    sag_texture texture = {
+        .kind = SAG_TEXTURE_CHECKERBOARD, .a.value = {1, 0, 0}, .b.value = {2, 0, 0}, .u_scale = 4};
+    sag_texture_id id = sag_world_add_texture(r.world, &texture);
+    assert_true(value_at(&r, id, 0.1, 0.1) == 1 && value_at(&r, id, 0.3, 0.1) == 2);
+    assert_true(value_at(&r, id, 0.3, 1.1) == 1 && value_at(&r, id, -0.1, 0.1) == 2 &&
+                value_at(&r, id, -0.1, -0.1) == 1);
+    texture.dimension = 3;
+    texture.world_to_texture = sag_affine_scale(sag_vec3_make(2, 2, 2));
+    id = sag_world_add_texture(r.world, &texture);
+    sag_input input = {.texture = id};
+    for (int i = -3; i < 4; i++)
+        for (int j = -3; j < 4; j++)
+            for (int k = -3; k < 4; k++) {
+                sag_surface surface = {.position = {(i + 0.5) / 2, (j + 0.5) / 2, (k + 0.5) / 2}};
+                assert_true(sagi_input_evaluate(r.world, &input, &surface).r ==
+                            ((i + j + k) % 2 == 0 ? 1 : 2));
+            }
+    room_close(&r);
+}
+
+static void textures_combine(void **state) {
+    (void)state;
+    room r = room_open();
+    sag_texture board = {.kind = SAG_TEXTURE_CHECKERBOARD, .a.value = {1, 1, 1}, .b.value = {3, 3, 3}};
+    sag_texture_id inner = sag_world_add_texture(r.world, &board);
+    sag_texture scale = {.kind = SAG_TEXTURE_SCALE, .a.texture = inner, .b.value = {5, 5, 5}};
+    sag_texture_id scaled = sag_world_add_texture(r.world, &scale);
+    sag_texture mix = {
+        .kind = SAG_TEXTURE_MIX, .a.texture = scaled, .b.value = {7, 7, 7}, .amount.value = {0.25, 0, 0}};
+    sag_texture_id mixed = sag_world_add_texture(r.world, &mix);
+    sag_texture constant = {.kind = SAG_TEXTURE_CONSTANT, .a.texture = mixed};
+    sag_texture_id outer = sag_world_add_texture(r.world, &constant);
+    assert_true(value_at(&r, scaled, 0.5, 0.5) == 5 && value_at(&r, scaled, 1.5, 0.5) == 15);
+    assert_true(value_at(&r, outer, 0.5, 0.5) == 0.75 * 5 + 0.25 * 7);
+    assert_true(value_at(&r, outer, 1.5, 0.5) == 0.75 * 15 + 0.25 * 7);
+    assert_true(value_at(&r, 0, 1, 1) == -1); // no texture: the value
+    room_close(&r);
+}
+
+static void materials_read_their_inputs(void **state) {
+    (void)state;
+    room r = room_open();
+    sag_surface surface = {.geometric_normal = {0, 0, 1}, .shading_normal = {0, 0, 1}, .dpdu = {1, 0, 0}};
+    sag_vec3 wo = {0, 0, 1};
+    sagi_bsdf bsdf;
+    assert_true(sagi_material_evaluate(r.world, NULL, &surface, wo, &bsdf));
+    assert_true(bsdf.kind == SAG_MATERIAL_DIFFUSE && bsdf.color.r == 0.5);
+    sagi_appearance look = {.look.material = 1};
+    // Reflectances are held within [0, 1], NaN is nothing; tiny roughness is a mirror.
+    sag_material diffuse = {.reflectance.value = {7, -1, NAN}};
+    assert_int_equal(sag_world_add_material(r.world, &diffuse), 1);
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, wo, &bsdf));
+    assert_true(bsdf.color.r == 1 && bsdf.color.g == 0 && bsdf.color.b == 0);
+    sag_material metal = {.kind = SAG_MATERIAL_CONDUCTOR,
+                          .reflectance.value = {0.5, 0.9, 0},
+                          .roughness_u.value = {1e-4, 0, 0}};
+    look.look.material = sag_world_add_material(r.world, &metal);
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, wo, &bsdf));
+    sag_rgb color = sagi_bsdf_albedo(&bsdf);
+    assert_true(bsdf.specular && fabs(color.r - 0.5) < 1e-12 && fabs(color.g - 0.9) < 1e-12 &&
+                color.b < 1e-12);
+    sag_material air = {.kind = SAG_MATERIAL_INTERFACE};
+    look.look.material = sag_world_add_material(r.world, &air);
+    assert_false(sagi_material_evaluate(r.world, &look, &surface, wo, &bsdf));
+    room_close(&r);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_are_bilinear_from_the_bottom),
+        cmocka_unit_test(pictures_are_scaled_inverted_and_placed),
+        cmocka_unit_test(checkerboards_alternate),
+        cmocka_unit_test(textures_combine),
+        cmocka_unit_test(materials_read_their_inputs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
