@@ -119,6 +119,15 @@ static outcome inside(double u, double v) {
     return u > rim && u < 1 - rim && v > rim && v < 1 - rim ? HIT : UNSURE;
 }
 
+// Whether a t within `error` of this one is before t_min or beyond t_max. So a ray that starts at the patch
+// and leaves it is done with without exact arithmetic: its t, a rounding from 0, can hardly be known to 4 ulp
+// in doubles.
+static bool certainly_out_of_range(const problem *p, double t_scaled, double error) {
+    int exponent = p->q_exponent - p->d_exponent;
+    return ldexp(t_scaled + 2 * error, exponent) < p->ray->t_min ||
+           ldexp(t_scaled - 2 * error, exponent) > p->ray->t_max;
+}
+
 // From an estimate of u: Newton's method on F = p(u, v) − o − t d. With n = pu × pv and D = d · n, its steps
 // are δt = F·n/D, δu = −F·(pv × d)/D, δv = −F·(d × pu)/D. What a step leaves is δu δv twist, plus the
 // step's own rounding: D and n are off by 16ε E², the residual by 2⁻⁹⁸ (M + |t|).
@@ -146,6 +155,7 @@ static outcome polish(const problem *p, double u, sagi_crossings *list) {
         bool is_done = fabs(u_step) < 0x1p-48 && fabs(v_step) < 0x1p-48;
         u += u_step;
         v += v_step;
+        if (is_done && certainly_out_of_range(p, t.hi, error)) return MISS;
         if (!is_done || !(error <= 0.25 * SAGI_EPSILON * fabs(t.hi))) continue;
         outcome where = inside(u, v);
         if (where == HIT) add(p, u, v, sagi_dd_to_double(t), list);
