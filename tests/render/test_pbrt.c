@@ -779,6 +779,29 @@ static void test_shared_scenes(void **state) {
     }
 }
 
+// The picture of `make demo` shows every kind of shape, and loads without a word.
+static void test_showcase(void **state) {
+    (void)state;
+    char path[1024];
+    snprintf(path, sizeof path, "%s", __FILE__); // tests/render/test_pbrt.c
+    for (int up = 0; up < 3; up++) *strrchr(path, '/') = '\0';
+    strcat(path, "/examples/showcase.pbrt");
+    warnings[0] = '\0';
+    sag_world *world = sag_world_create(context);
+    sag_error error;
+    if (sag_world_load(world, path, &error) != SAG_OK)
+        fail_msg("%s:%d:%d: %s", error.file, error.line, error.column, error.message);
+    assert_string_equal(warnings, "");
+    bool seen[SAG_SHAPE_INSTANCE + 1] = {false};
+    sag_shape_kind kind;
+    for (uint32_t id = 0; sag_geometry_get(sag_world_scene(world), id, &kind, NULL) == SAG_OK; id++)
+        seen[kind] = true;
+    for (int k = 0; k <= SAG_SHAPE_INSTANCE; k++)
+        if (!seen[k] && k != SAG_SHAPE_USER)
+            fail_msg("no %s in the showcase", sag_shape_kind_name((sag_shape_kind)k));
+    sag_world_destroy(world);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_transforms),
@@ -796,6 +819,7 @@ int main(void) {
         cmocka_unit_test(test_out_of_memory),
         cmocka_unit_test(test_broken_texts),
         cmocka_unit_test(test_shared_scenes),
+        cmocka_unit_test(test_showcase),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
