@@ -6,8 +6,8 @@
 // off the triangle's plane by roundings only, per coordinate at most 2ε (|a| + 2u |b − a| + 2v |c − a|), ε =
 // 2⁻⁵³ (the differences, products and sums, one ε each). That is its distance from the point of the triangle
 // at the u, v reported. 64ε of the longest edge is added in every coordinate: a spawned ray then starts so
-// far off the plane (18ε |a − o|₁ E²/|n| and more) that the test in doubles turns its own triangle away,
-// unless that is a needle.
+// far off the plane (8ε S(a − o)/|n| and more, see triangle_solve.c) that the test in doubles turns its own
+// triangle away, unless that is a needle.
 #include "shapes/triangle.h"
 #include "shapes/common.h"
 #include "shapes/vector_expansion.h"

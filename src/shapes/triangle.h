@@ -31,7 +31,7 @@ sagi_triangle_ray sagi_triangle_prepare(const sag_ray *ray);
 int sagi_triangle_side(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c);
 
 // For a line that pierces the triangle (side not 0): whether t, as rounded, lies in [t_min, t_max],
-// and then t (error below 4 ulp) and the weights u of b and v of c (absolute error below 2⁻⁴⁴; ≥ 0, u + v ≤
+// and then t (error below 4 ulp) and the weights u of b and v of c (absolute error below 2⁻⁴²; ≥ 0, u + v ≤
 // 1). The bits of t, u, v depend on neither t_min nor t_max.
 bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                          const sag_vec3 *c, double *t, double *u, double *v);

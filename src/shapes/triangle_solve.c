@@ -5,23 +5,25 @@
 //
 //     t = (a − o) · n / D,    u = e(c, a) / D,    v = e(a, b) / D.
 //
-// In doubles the numerator of t has an error of 17u |a − o|₁ E² (E: the longest edge in the maximum norm;
-// eight roundings on a path, Σ|n_i| parts ≤ 2E² each) and D one of 15u |d|₁ E²: enough to see that t is
+// With S(x) the sum of the absolute values of all products in x · n, the numerator of t has in doubles an
+// error of 8u S(a − o) and D one of 7u S(d) (so many roundings lie on a path): enough to see that t is
 // certainly out of range, as it is for most rays that leave this very triangle, but not for 4 ulp. So:
 //
 // 1. One Newton step. P = a − o − t₀ d, the way from the first estimate back to a, is at most as long as the
 //    triangle, and with error-free transforms its components come out within 2u |P| + 2u² (|a − o| + |t₀ d|).
-//    t = t₀ + n·P / D exactly, for any t₀. In doubles n·P has an error of 20u E² |P|₁ + 4u² E² (|a − o|₁ +
-//    |t₀| |d|₁), which is a small part of u |t D| unless the triangle is large beside the distance. The
-//    weights follow from the same P, corrected: Q = n·P/D · d − P = u (b − a) + v (c − a), so u = (Q × (c −
-//    a)) · n / n², v = ((b − a) × Q) · n / n².
-// 2. Double-doubles from exact differences. A relative error of 46 · 2⁻¹⁰⁶ of the products' absolute sums
-//    (products ≤ 7 · 2⁻¹⁰⁶, sums ≤ 3 · 2⁻¹⁰⁶, each sum ≤ 2E² |a − o|₁ and so on): 2⁻¹⁰⁰ is used.
+//    t = t₀ + n·P / D exactly, for any t₀. In doubles n·P has an error of 9u S(P) + 2u² (S(a − o) + |t₀|
+//    S(d)), which is a small part of u |t D| unless the triangle is large beside the distance. The weights
+//    follow from the same P, corrected: Q = n·P/D · d − P = u (b − a) + v (c − a), so u = (Q × (c − a)) · n /
+//    n², v = ((b − a) × Q) · n / n².
+// 2. The same step with n·P in double-doubles from exact differences: products and sums there are good to 7 ·
+//    2⁻¹⁰⁶ and 3 · 2⁻¹⁰⁶, so n·P to 2⁻¹⁰⁰ S(P), and only D is still a double. Where that is not enough
+//    either, all of it in double-doubles, good to 46 · 2⁻¹⁰⁶ (2⁻¹⁰⁰ is used) of E² |a − o|₁ and so on, E
+//    being the longer edge in the maximum norm.
 // 3. Expansions: exact numerators and denominators, two roundings. For an origin almost in the plane, rays
 //    almost parallel to it, needles, and magnitudes beyond the other two's limits.
 //
 // Each step checks its own bound and hands over to the next when t could be off by more than 3u |t| with its
-// last rounding (4 ulp are at least 4u |t|), or u and v by more than 2⁻⁴⁴. So the result is within 4 ulp
+// last rounding (4 ulp are at least 4u |t|), or u and v by more than 2⁻⁴². So the result is within 4 ulp
 // always, and its bits depend on the ray's line and the triangle only.
 #include "math/dd.h"
 #include "shapes/common.h"
@@ -29,9 +31,11 @@
 #include "shapes/vector_expansion.h"
 
 #if defined(__GNUC__)
-#define SAGI_COLD __attribute__((noinline, cold))
+#define SAGI_COLD     __attribute__((noinline, cold))
+#define SAGI_NOINLINE __attribute__((noinline))
 #else
 #define SAGI_COLD
+#define SAGI_NOINLINE
 #endif
 
 static double norm1(sag_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
@@ -110,6 +114,16 @@ static SAGI_COLD bool solve_dd(const sagi_triangle_ray *ray, const sag_vec3 *a, 
     return accept(ray, sagi_dd_to_double(sagi_dd_div(numerator, denominator)), beta, gamma, t, u, v);
 }
 
+// n · P in double-doubles, see 2. above.
+static SAGI_NOINLINE double residual_dd(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
+                                        const sag_vec3 *c, double t) {
+    dd3 ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a), n = dd3_cross(&ab, &ac), p = dd3_diff(*a, ray->o);
+    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, ray->d.x));
+    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, ray->d.y));
+    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, ray->d.z));
+    return sagi_dd_to_double(dd3_dot(&n, &p));
+}
+
 // a − o − t d for one coordinate, see 1. above.
 static double back_to_a(double a, double o, double t, double d) {
     sagi_dd difference = sagi_two_sum(a, -o), way = sagi_two_prod(t, d);
@@ -126,33 +140,46 @@ bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const 
     double size = larger(norm_max(ab), norm_max(ac));
     if (!(far <= 0x1p400 && size >= 0x1p-200 && size <= 0x1p200)) return solve_exact(ray, a, b, c, t, u, v);
 
+    // Σ|x_i| s_i is the sum of the absolute values of all products in x · n; the last term is for underflow.
     double square = size * size;
+    sag_vec3 s = sag_vec3_make(fabs(ab.y * ac.z) + fabs(ab.z * ac.y) + 0x1p-100 * square,
+                               fabs(ab.z * ac.x) + fabs(ab.x * ac.z) + 0x1p-100 * square,
+                               fabs(ab.x * ac.y) + fabs(ab.y * ac.x) + 0x1p-100 * square);
     double numerator = sag_dot(ao, n), denominator = sag_dot(d, n);
-    double denominator_error = 16 * eps * ray->d1 * square;
+    double ao_sum = sag_dot(sag_abs(ao), s) + 0x1p-300 * square, d_sum = sag_dot(sag_abs(d), s);
+    double denominator_error = 7.1 * eps * d_sum;
     if (!(denominator_error <= 0x1p-10 * fabs(denominator)))
         return solve_dd(ray, a, b, c, far, size, t, u, v);
 
     // The margin of 8u |t| makes sure that what is turned away here would be when rounded, too.
     double inverse = 1 / denominator, estimate = numerator * inverse;
     double scale = 1.01 * fabs(inverse);
-    double estimate_error = (18 * eps * far * square + fabs(estimate) * denominator_error) * scale;
+    double estimate_error = (8.1 * eps * ao_sum + fabs(estimate) * denominator_error) * scale;
     double margin = estimate_error + 8 * eps * fabs(estimate);
     if (ray->exponent == 0 && (estimate + margin < ray->t_min || estimate - margin > ray->t_max))
         return false;
 
     sag_vec3 p = sag_vec3_make(back_to_a(a->x, o.x, estimate, d.x), back_to_a(a->y, o.y, estimate, d.y),
                                back_to_a(a->z, o.z, estimate, d.z));
-    double step = sag_dot(n, p) * inverse, result = estimate + step;
-    double p1 = norm1(p), cancelled = eps * eps * (far + fabs(estimate) * ray->d1);
-    double step_error =
-        (21 * eps * p1 + 4 * cancelled) * square * scale + fabs(step) * (denominator_error * scale + 5 * eps);
+    double step = sag_dot(n, p) * inverse, p_sum = sag_dot(sag_abs(p), s);
+    double cancelled = 2.1 * eps * eps * (ao_sum + fabs(estimate) * d_sum);
+    double step_error = (9.1 * eps * p_sum + cancelled) * scale,
+           division = denominator_error * scale + 5 * eps;
+    if (!(step_error + fabs(step) * division <= 1.9 * eps * fabs(estimate + step))) {
+        step = residual_dd(ray, a, b, c, estimate) * inverse;
+        step_error = 0x1p-100 * p_sum * scale;
+    }
+    step_error += fabs(step) * division;
+    double result = estimate + step;
+
     sag_vec3 q = sag_sub(sag_scale(d, step), p);
-    double q_error = 6 * eps * p1 + 2 * cancelled + (step_error + 6 * eps * fabs(step)) * ray->d1;
+    double q_error = 6 * eps * norm1(p) + 2 * eps * eps * (far + fabs(estimate) * ray->d1) +
+                     (step_error + 6 * eps * fabs(step)) * ray->d1;
     // Of u and v: 28u |Q| E + 14u E² for the roundings, 3.5 E times Q's error, over |n|; |Q| ≤ E.
-    if (!(step_error <= 1.9 * eps * fabs(result) &&
-          42 * eps * square + 3.5 * q_error * size <= 0x1p-44 * norm_max(n)))
+    double weight_error = 42 * eps * square + 3.5 * q_error * size, n_square = sag_dot(n, n);
+    if (!(step_error <= 1.9 * eps * fabs(result) && weight_error * weight_error <= 0x1p-84 * n_square))
         return solve_dd(ray, a, b, c, far, size, t, u, v);
-    double inverse_square = 1 / sag_dot(n, n);
+    double inverse_square = 1 / n_square;
     return accept(ray, result, sag_dot(sag_cross(q, ac), n) * inverse_square,
                   sag_dot(sag_cross(ab, q), n) * inverse_square, t, u, v);
 }

@@ -147,7 +147,7 @@ static void examine(const scenario *s, statistics *out) {
             wrong = true;
         }
         double error = fmax(fabs(hit.u - truth.u), fabs(hit.v - truth.v));
-        if (!(error <= 0x1p-44) || !(hit.u >= 0 && hit.v >= 0 && hit.u + hit.v <= 1)) wrong = true;
+        if (!(error <= 0x1p-42) || !(hit.u >= 0 && hit.v >= 0 && hit.u + hit.v <= 1)) wrong = true;
         out->weight_error = fmax(out->weight_error, error);
         sag_triangle one_sided = {s->a, s->b, s->c, true};
         sag_hit front;

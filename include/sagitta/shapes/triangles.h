@@ -13,8 +13,11 @@ extern "C" {
 /// The triangle a b c. Whether a ray meets it is decided exactly for the numbers given. A ray that meets an
 /// edge or vertex exactly belongs to it or to its neighbour by a rule that depends on the ray and the
 /// positions alone, so that of the triangles of a closed mesh exactly one takes it (docs/numerics.md). A ray
-/// in the triangle's plane misses. p = (1 − β − γ) a + β b + γ c; hit.u = β, hit.v = γ, which are the texture
-/// coordinates too. The normal is (b − a) × (c − a). A triangle without area is an error.
+/// in the triangle's plane misses; so does one whose t is beyond the doubles. Exactness needs that within
+/// each of direction, vertex minus origin, and edge no coordinate but 0 is smaller than 1e-280 of the
+/// largest; smaller ones count as 0. t is within 4 ulp (measured: 0.72), u and v within 2^-42 (tests/oracle).
+/// p = (1 − β − γ) a + β b + γ c; hit.u = β, hit.v = γ, which are the texture coordinates too. The normal is
+/// (b − a) × (c − a). A triangle without area is an error.
 typedef struct sag_triangle {
     sag_vec3 a, b, c;
     bool one_sided; ///< only rays that arrive at the front (against the normal) meet it
