@@ -203,10 +203,12 @@ bool sag_mesh_contains(const sag_mesh *s, sag_vec3 point) {
     sag_ray ray = sag_ray_make(point, sag_vec3_make(0.8660254037844386, 0.4330127018922193, 0.25));
     if (!sag_ray_is_valid(&ray)) return false;
     sagi_triangle_ray prepared = sagi_triangle_prepare(&ray);
+    sag_mesh both_sides = *s; // the way out is through the backs
+    both_sides.one_sided = false;
     bool inside = false;
     for (uint32_t i = 0; i < s->triangle_count; i++) {
         sag_hit hit;
-        if (!hit_one(s, &prepared, i, &hit)) continue;
+        if (!hit_one(&both_sides, &prepared, i, &hit)) continue;
         if (hit.t == 0) return true;
         inside = !inside;
     }

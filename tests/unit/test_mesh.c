@@ -32,6 +32,8 @@ static void test_cube(void **state) {
     assert_true(sag_mesh_hit(&m.mesh, &diagonal, &hits[0]) && hits[0].t == 5);
     m.mesh.one_sided = true;
     assert_false(sag_mesh_occluded(&m.mesh, &diagonal)); // leaves through a back
+    assert_true(sag_mesh_contains(&m.mesh, (sag_vec3){0.9, -0.9, 0.1}));
+    assert_false(sag_mesh_contains(&m.mesh, (sag_vec3){-1.1, 0, 0}));
     test_mesh_free(&m);
 }
 
