@@ -96,6 +96,14 @@ bool sagi_clip_find(const sagi_clip_solid *solid, const sag_ray *ray, sagi_clip_
     return true;
 }
 
+// Along the unit normal num changes by den per distance.
+void sagi_clip_clear(const sagi_clip_solid *solid, uint32_t face, sag_surface *surface) {
+    const sag_ray across = sag_ray_make(surface->position, surface->geometric_normal);
+    sagi_clip_face f;
+    solid->quick(solid->solid, &across, face, &f);
+    if (f.den > f.den_error) sagi_clear_distance(1.5 * f.num_error / f.den, surface);
+}
+
 sagi_crossings sagi_clip_crossings(const sagi_clip_span *span, const sag_ray *ray) {
     sagi_crossings list = {0};
     double enter = span->enter.t.hi, leave = span->leave.t.hi;

@@ -45,6 +45,10 @@ typedef struct sagi_clip_span {
 // t_max] for certain. An end that is SAGI_CLIP_NO_FACE has no t.
 bool sagi_clip_find(const sagi_clip_solid *solid, const sag_ray *ray, sagi_clip_span *span);
 
+// Widens the position error of a point of a face, its normal being filled in, so that the quick test turns a
+// ray spawned there away from the face for certain (sagi_clear_distance).
+void sagi_clip_clear(const sagi_clip_solid *solid, uint32_t face, sag_surface *surface);
+
 // The crossings of a span that are in the ray's range, primitive being the face.
 sagi_crossings sagi_clip_crossings(const sagi_clip_span *span, const sag_ray *ray);
 

@@ -127,3 +127,16 @@ void sagi_point_at(const sag_ray *ray, sagi_cut cut, sag_vec3 *position, sag_vec
     position->y = coordinate_at(o->y, d->y, cut, &position_error->y);
     position->z = coordinate_at(o->z, d->z, cut, &position_error->z);
 }
+
+// The quick test's error of (q − o)·n is 5u Σ|nᵢ||qᵢ − oᵢ|. Moved by Σ|nᵢ|eᵢ along the unit n (spawn.c) the
+// true value is at least that, so eᵢ = 8u|qᵢ − pᵢ| more than makes up for it.
+void sagi_clear_plane(sag_vec3 point, sag_surface *surface) {
+    surface->position_error =
+        sag_madd(surface->position_error, 8 * SAGI_EPSILON, sag_abs(sag_sub(surface->position, point)));
+}
+
+// A unit normal has Σ|nᵢ| ≥ 1.
+void sagi_clear_distance(double distance, sag_surface *surface) {
+    sag_vec3 e = surface->position_error;
+    surface->position_error = sag_vec3_make(e.x + distance, e.y + distance, e.z + distance);
+}

@@ -42,4 +42,10 @@ double sagi_plane_offset(sag_vec3 normal, sag_vec3 point, sag_vec3 p);
 // in each coordinate. The second half is what spawned rays need to be clear of the surface for certain.
 void sagi_point_at(const sag_ray *ray, sagi_cut cut, sag_vec3 *position, sag_vec3 *position_error);
 
+// Widens the position error of a point of the plane through `point`, so that the quick test of sagi_cut_plane
+// sees for certain on which side a spawned ray starts, and turns it away at the cost of a few products.
+void sagi_clear_plane(sag_vec3 point, sag_surface *surface);
+// The same by a distance: an upper bound of the quick test's error, as a distance from the surface.
+void sagi_clear_distance(double distance, sag_surface *surface);
+
 #endif

@@ -135,6 +135,7 @@ static void finish(const sag_disk *disk, sag_surface *surface) {
     double width = disk->radius - disk->inner_radius, sweep = phi_max(disk);
     sag_vec3 w = sag_sub(surface->position, disk->center);
     double rho = sag_length(w);
+    sagi_clear_plane(disk->center, surface);
     surface->geometric_normal = f.z;
     surface->u = fmin(angle_of(&f, w) / sweep, 1);
     surface->v = fmax(0, fmin((disk->radius - rho) / width, 1));

@@ -66,10 +66,12 @@ static void exact(const void *solid, const sag_ray *ray, uint32_t face, sagi_cli
     out->den = signed_real(sagi_determinant_real(sagi_dd3_from(ray->direction), aj, ak), sign);
 }
 
+static sagi_clip_solid solid_of(const prepared *p) { return (sagi_clip_solid){p, 6, quick, accurate, exact}; }
+
 static bool find(const sag_oriented_box *box, const sag_ray *ray, sagi_clip_span *span) {
     prepared p;
     if (!sag_ray_is_valid(ray) || !prepare(box, &p)) return false;
-    const sagi_clip_solid solid = {&p, 6, quick, accurate, exact};
+    const sagi_clip_solid solid = solid_of(&p);
     return sagi_clip_find(&solid, ray, span);
 }
 
@@ -129,6 +131,8 @@ static void finish_face(const prepared *p, uint32_t face, sag_surface *surface) 
     sag_vec3 n = sagi_cross_accurate(a[j], a[k]), w = sag_sub(surface->position, p->box->center);
     double error;
     surface->geometric_normal = sag_normalize(sag_scale(n, face_sign(p, face)));
+    const sagi_clip_solid solid = solid_of(p);
+    sagi_clip_clear(&solid, face, surface);
     surface->dpdu = sag_scale(a[j], 2), surface->dpdv = sag_scale(a[k], 2);
     surface->u = clamp01(0.5 + 0.5 * sagi_determinant(w, a[k], a[i], &error) / p->det);
     surface->v = clamp01(0.5 + 0.5 * sagi_determinant(w, a[i], a[j], &error) / p->det);

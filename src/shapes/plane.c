@@ -47,6 +47,7 @@ void sag_plane_surface(const sag_plane *plane, const sag_ray *ray, const sag_hit
     if (!sagi_cut_plane(plane->normal, plane->point, ray, &cut))
         cut = (sagi_cut){{hit->t, 0}, 2 * SAGI_EPSILON * fabs(hit->t)};
     sagi_point_at(ray, cut, &surface->position, &surface->position_error);
+    sagi_clear_plane(plane->point, surface);
     surface->geometric_normal = sag_normalize(plane->normal);
     surface->dpdu = plane->s, surface->dpdv = plane->t;
     if (sagi_is_zero3(plane->s) && sagi_is_zero3(plane->t))

@@ -39,9 +39,13 @@ static void exact(const void *solid, const sag_ray *ray, uint32_t face, sagi_cli
     out->den = sagi_dot_real(n, sagi_dd3_from(ray->direction));
 }
 
+static sagi_clip_solid solid_of(const sag_polyhedron *polyhedron) {
+    return (sagi_clip_solid){polyhedron, polyhedron->plane_count, quick, accurate, exact};
+}
+
 static bool find(const sag_polyhedron *polyhedron, const sag_ray *ray, sagi_clip_span *span) {
     if (!sag_ray_is_valid(ray) || !is_usable(polyhedron)) return false;
-    const sagi_clip_solid solid = {polyhedron, polyhedron->plane_count, quick, accurate, exact};
+    const sagi_clip_solid solid = solid_of(polyhedron);
     return sagi_clip_find(&solid, ray, span);
 }
 
@@ -133,8 +137,10 @@ size_t sag_polyhedron_crossings(const sag_polyhedron *polyhedron, const sag_ray 
     return sagi_crossings_write(&list, hits, capacity);
 }
 
-static void finish_face(const sag_half_space *h, sag_surface *surface) {
-    surface->geometric_normal = sag_normalize(h->normal);
+static void finish_face(const sag_polyhedron *polyhedron, uint32_t face, sag_surface *surface) {
+    surface->geometric_normal = sag_normalize(polyhedron->planes[face].normal);
+    const sagi_clip_solid solid = solid_of(polyhedron);
+    sagi_clip_clear(&solid, face, surface);
     sag_frame(surface->geometric_normal, &surface->dpdu, &surface->dpdv);
     // The plane's point nearest 0 is along the normal, so it adds nothing to the in-plane coordinates.
     surface->u = sag_dot(surface->position, surface->dpdu);
@@ -150,7 +156,7 @@ void sag_polyhedron_surface(const sag_polyhedron *polyhedron, const sag_ray *ray
         if (span.leave_face == hit->primitive) cut = span.leave;
     }
     sagi_point_at(ray, cut, &surface->position, &surface->position_error);
-    finish_face(&polyhedron->planes[hit->primitive], surface);
+    finish_face(polyhedron, hit->primitive, surface);
     sagi_surface_finish(surface, ray, hit);
 }
 
@@ -202,7 +208,7 @@ bool sag_polyhedron_sample(const sag_polyhedron *polyhedron, sag_vec2 random, sa
     surface->position = in_triangle(triangle[0], triangle[1], triangle[2], x, random.y);
     for (int k = 0; k < 3; k++) size = fmax(size, sag_max_component(sag_abs(triangle[k])));
     surface->position_error = sag_scale((sag_vec3){size, size, size}, 16 * SAGI_EPSILON);
-    finish_face(&polyhedron->planes[chosen], surface);
+    finish_face(polyhedron, chosen, surface);
     sagi_surface_finish_sample(surface, chosen);
     return true;
 }

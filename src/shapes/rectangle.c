@@ -100,7 +100,12 @@ size_t sag_rectangle_crossings(const sag_rectangle *rectangle, const sag_ray *ra
 }
 
 static void finish(const sag_rectangle *rectangle, double u, double v, sag_surface *surface) {
-    surface->geometric_normal = sag_normalize(sagi_cross_accurate(rectangle->edge_u, rectangle->edge_v));
+    sag_vec3 n = sagi_cross_accurate(rectangle->edge_u, rectangle->edge_v);
+    surface->geometric_normal = sag_normalize(n);
+    double error; // of det(w, e, f), which is the distance from the plane times |n|
+    sagi_determinant(sag_sub(surface->position, rectangle->corner), rectangle->edge_u, rectangle->edge_v,
+                     &error);
+    sagi_clear_distance(1.5 * error / sag_length(n), surface);
     surface->dpdu = rectangle->edge_u, surface->dpdv = rectangle->edge_v;
     surface->u = u, surface->v = v;
 }
