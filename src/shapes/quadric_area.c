@@ -176,7 +176,8 @@ double sagi_quadric_area(const sag_quadric *quadric) {
 
 bool sagi_quadric_sample_point(const sag_quadric *quadric, sag_vec2 random, sag_vec3 *point) {
     sag_vec3 size = sag_sub(quadric->clip.max, quadric->clip.min);
-    double face[3] = {size.y * size.z, size.z * size.x, size.x * size.y}, all = face[0] + face[1] + face[2];
+    const double face[3] = {size.y * size.z, size.z * size.x, size.x * size.y};
+    double all = face[0] + face[1] + face[2];
     sagi_stream stream = sagi_stream_of(random);
     for (int i = 0; i < TRIES; i++) {
         double pick = sagi_stream_unit(&stream) * all;

@@ -48,7 +48,7 @@ static void place(const sagi_quadric_form *f, sagi_dd y[3], sag_surface *surface
     surface->position = sag_vec3_make(position[0], position[1], position[2]);
     surface->position_error = sag_vec3_make(error[0], error[1], error[2]);
     if (!(gg > 0)) {
-        double size[3] = {fabs(f->square[0].hi), fabs(f->square[1].hi), fabs(f->square[2].hi)};
+        const double size[3] = {fabs(f->square[0].hi), fabs(f->square[1].hi), fabs(f->square[2].hi)};
         int main_axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
         const double unit[3] = {main_axis == 0, main_axis == 1, main_axis == 2};
         sagi_quadric_apply(f, unit, g, magnitude);

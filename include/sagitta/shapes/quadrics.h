@@ -7,7 +7,15 @@
 /// A sweep `phi_max_rad` in (0, 2π] keeps the part with φ = atan2(y, x) in [0, phi_max]; 0 counts as 2π.
 /// `closed` adds the flat caps (and turns the shape into a solid: contains and volume speak of it); it needs
 /// a full sweep. primitive: 0 the curved surface, 1 the cap at the smaller z, 2 the cap at the larger z. A
-/// cap's u is φ/2π, its v 1 − ρ/r.
+/// cap's u is φ/2π, its v 1 − ρ/r. An open shape contains nothing and has no volume.
+///
+/// Accuracy, for all of them: t within 1.5 ulp of the exact root of the equation for the numbers given, and
+/// hit or miss decided exactly, tangents included (tests/oracle/test_quadrics.c, against MPFR). Where a clip
+/// or a cap meets the surface, which side a crossing is on is decided by values of t within 2 ulp each; a
+/// closed shape is entered as often as left all the same. A ray that starts more than 2²⁰⁰ times the shape's
+/// size away misses. The position of a hit is projected onto the surface: position_error bounds its distance
+/// from the surface, which is what spawned rays need (tests/unit/test_quadric_surfaces.c). Source:
+/// docs/sphere.md and src/shapes/quadric_solve.c.
 #ifndef SAGITTA_SHAPES_QUADRICS_H
 #define SAGITTA_SHAPES_QUADRICS_H
 
@@ -139,7 +147,8 @@ SAG_API double sag_paraboloid_volume(const sag_paraboloid *paraboloid);
 
 /// The segment p1 p2 swept around the z axis (pbrt-v3's): a hyperboloid of one sheet; a cylinder, cone or
 /// flat ring in special cases. u = φ/phi_max with φ counted from the segment's own angle, v the place along
-/// the segment. One end may lie on the axis. A segment with p1.z = p2.z (a ring) is an error when closed.
+/// the segment. One end may lie on the axis. A segment with p1.z = p2.z (a ring) is an error when closed; its
+/// normal is +z.
 typedef struct sag_hyperboloid {
     sag_vec3 p1, p2; ///< different; not both on the z axis
     double phi_max_rad;
@@ -189,8 +198,9 @@ SAG_API double sag_hyperboloid2_volume(const sag_hyperboloid2 *hyperboloid2);
 
 /// Any quadric by ten coefficients, ax² + by² + cz² + 2dxy + 2exz + 2fyz + 2gx + 2hy + 2iz + j = 0, clipped
 /// by a box. The normal is the gradient's direction. The box clips; it adds no faces. u, v: φ/2π and (z −
-/// min.z)/(max.z − min.z). contains: the value ≤ 0 inside the box. area and sample are numerical: within 1e-6
-/// of the area of a smooth patch.
+/// min.z)/(max.z − min.z). contains: the value ≤ 0 inside the box. area is numerical, within 1e-6 of the area
+/// of a smooth patch, and takes milliseconds: ask once. sample is exact to rounding; it tries lines through
+/// the box, so it also returns false for a patch below some ten-thousandth of the box.
 typedef struct sag_quadric {
     double coefficients[10]; ///< a b c d e f g h i j; not all of a … i zero
     sag_box3 clip;           ///< not empty, finite
