@@ -111,6 +111,18 @@ static void crossings_by_hand_of_the_rest(void **state) {
     ASSERT_MISS(quadric, &saddle, line(-9, 0, 4.5, 1, 0, 0)); // beyond the box
 }
 
+// Up the axis from far below: the double root in the apex takes more than 400 bits to be exactly double.
+static void axis_of_a_cone_meets_its_base(void **state) {
+    (void)state;
+    sag_cone cone = {.radius = 3.558620054070201e-10, .height = 9.4943329201653476e-11, .closed = true};
+    sag_ray ray = sag_ray_make(sag_vec3_make(0, 0, -1.2324594975758054e-05),
+                               sag_vec3_make(0, 0, 0.0038400666784588551));
+    sag_hit hits[4];
+    assert_int_equal(sag_cone_crossings(&cone, &ray, hits, 4), 2);
+    assert_int_equal(hits[0].primitive, 1);
+    assert_int_equal(hits[1].primitive, 0);
+}
+
 static void rings(void **state) {
     (void)state;
     sag_hyperboloid ring = {.p1 = {1, 0, 2}, .p2 = {3, 0, 2}};
@@ -355,6 +367,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(crossings_by_hand),
         cmocka_unit_test(crossings_by_hand_of_the_rest),
+        cmocka_unit_test(axis_of_a_cone_meets_its_base),
         cmocka_unit_test(rings),
         cmocka_unit_test(texture_coordinates_of_spheres),
         cmocka_unit_test(starts_on_the_surface),
