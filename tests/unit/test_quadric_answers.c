@@ -144,6 +144,53 @@ static void rings(void **state) {
     assert_true(fabs(s.u - 0.25) < 1e-15 && fabs(s.v - 0.5) < 1e-15);
 }
 
+// Samples of a ring: ρ² is uniform between the squares of the radii, φ in the sweep.
+static void samples_of_rings(void **state) {
+    (void)state;
+    enum { COUNT = 20000 };
+    rng r = rng_make(31);
+    sag_hyperboloid rings_of[] = {{{1, 0, 2}, {3, 0, 2}, 0, false},
+                                  {{1, -2, 0}, {1, 1, 0}, 0, false},
+                                  {{3, 1, 0}, {0, 0, 0}, 2, false}};
+    const double inner2[] = {1, 1, 0}, outer2[] = {9, 5, 10}, sweep[] = {2 * PI, 2 * PI, 2};
+    for (int k = 0; k < 3; k++) {
+        double area = sag_hyperboloid_area(&rings_of[k]), mean = 0, turn = 0;
+        assert_true(fabs(area / (sweep[k] / 2 * (outer2[k] - inner2[k])) - 1) < 1e-14);
+        for (int i = 0; i < COUNT; i++) {
+            sag_surface s;
+            assert_true(sag_hyperboloid_sample(&rings_of[k], rng_vec2(&r), &s));
+            double rho2 = s.position.x * s.position.x + s.position.y * s.position.y;
+            assert_true(rho2 >= inner2[k] - 1e-12 && rho2 <= outer2[k] + 1e-12);
+            mean += rho2 / COUNT, turn += s.u / COUNT;
+        }
+        assert_true(fabs(mean - (inner2[k] + outer2[k]) / 2) < 0.02 * (outer2[k] - inner2[k]));
+        assert_true(fabs(turn - 0.5) < 0.02);
+    }
+}
+
+// A swept hyperboloid has the crossings of the whole one whose φ, counted from the segment, is in the sweep.
+static void swept_hyperboloids(void **state) {
+    (void)state;
+    rng r = rng_make(32);
+    for (int i = 0; i < 5000; i++) {
+        sag_hyperboloid whole = {.p1 = rng_vec3(&r, 1), .p2 = rng_vec3(&r, 1)}, part = whole;
+        part.phi_max_rad = rng_uniform(&r, 0.1, 6);
+        sag_ray ray = sag_ray_make(rng_vec3(&r, 2), rng_direction(&r));
+        ray.t_min = -INFINITY;
+        sag_hit all[4], kept[4];
+        size_t count = sag_hyperboloid_crossings(&whole, &ray, all, 4), left = 0;
+        size_t found = sag_hyperboloid_crossings(&part, &ray, kept, 4);
+        for (size_t k = 0; k < count; k++) {
+            sag_surface s;
+            sag_hyperboloid_surface(&whole, &ray, &all[k], &s);
+            if (s.u * 2 * PI > part.phi_max_rad) continue;
+            assert_true(left < found && kept[left].t == all[k].t);
+            left++;
+        }
+        assert_int_equal(left, found);
+    }
+}
+
 static sag_surface surface_of_sphere(const sag_sphere *s, sag_ray ray) {
     sag_hit hit;
     sag_surface surface;
@@ -369,6 +416,8 @@ int main(void) {
         cmocka_unit_test(crossings_by_hand_of_the_rest),
         cmocka_unit_test(axis_of_a_cone_meets_its_base),
         cmocka_unit_test(rings),
+        cmocka_unit_test(samples_of_rings),
+        cmocka_unit_test(swept_hyperboloids),
         cmocka_unit_test(texture_coordinates_of_spheres),
         cmocka_unit_test(starts_on_the_surface),
         cmocka_unit_test(senseless_rays_miss),
