@@ -4,33 +4,30 @@
 
 // Box and centroids of primitives, for halves whose boxes no bins have told.
 static void measure(const sagi_bvh_primitive *primitives, sagi_range *range) {
-    range->box = range->centroids = sagi_float_box_empty();
+    sagi_extent centroids = sagi_extent_empty();
+    range->box = sagi_float_box_empty();
     for (uint32_t i = 0; i < range->count; i++) {
         const sagi_bvh_primitive *p = &primitives[range->first + i];
-        float c[3] = {sagi_centroid(p, 0), sagi_centroid(p, 1), sagi_centroid(p, 2)};
         sagi_float_box_extend(&range->box, p->lo, p->hi);
-        sagi_float_box_extend(&range->centroids, c, c);
+        sagi_extent_add(&centroids, p);
     }
+    range->centroids = sagi_extent_box(&centroids);
 }
 
-// Adds a primitive's centroid to a side's box while it passes through our hands anyway.
-static inline void add_centroid(sagi_float_box *centroids, const sagi_bvh_primitive *p) {
-    float c[3] = {sagi_centroid(p, 0), sagi_centroid(p, 1), sagi_centroid(p, 2)};
-    sagi_float_box_extend(centroids, c, c);
-}
-
-// Those that go left come first; both sides' centroids are measured on the way.
+// Those that go left come first; both sides' centroids are measured while they pass through our hands anyway.
 static void partition(sagi_bvh_primitive *primitives, const sagi_split *split, uint32_t first, uint32_t count,
                       sagi_float_box *left, sagi_float_box *right) {
     sagi_bvh_primitive *i = primitives + first, *j = i + count;
+    sagi_extent l = sagi_extent_empty(), r = sagi_extent_empty();
     for (;;) {
-        while (i < j && sagi_split_goes_left(split, i)) add_centroid(left, i++);
-        while (i < j && !sagi_split_goes_left(split, j - 1)) add_centroid(right, --j);
-        if (i == j) return;
+        while (i < j && sagi_split_goes_left(split, i)) sagi_extent_add(&l, i++);
+        while (i < j && !sagi_split_goes_left(split, j - 1)) sagi_extent_add(&r, --j);
+        if (i == j) break;
         sagi_bvh_primitive t = *i;
         *i = *--j, *j = t;
-        add_centroid(left, i++), add_centroid(right, j);
+        sagi_extent_add(&l, i++), sagi_extent_add(&r, j);
     }
+    *left = sagi_extent_box(&l), *right = sagi_extent_box(&r);
 }
 
 void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *nodes, sagi_range range) {
@@ -63,7 +60,6 @@ void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *n
             measure(primitives, &left), measure(primitives, &right);
         } else {
             left.box = split.left, right.box = split.right;
-            left.centroids = right.centroids = sagi_float_box_empty();
             partition(primitives, &split, range.first, range.count, &left.centroids, &right.centroids);
         }
         *node = (sagi_binary_node){range.box, right.node, 0};

@@ -4,6 +4,8 @@
 #define SAGI_BVH_BINARY_H
 
 #include "bvh/bvh.h"
+#include "bvh/lanes.h"
+#include <stddef.h>
 
 // Node s over the primitives [first, first + n). Its left child is node s + 1, its right child node `link`.
 // A subtree over n primitives owns 2n − 1 consecutive numbers beginning with its root's, so that threads
@@ -35,15 +37,12 @@ typedef struct sagi_split {
 
 #define SAGI_MAX_BINS 16
 
-typedef struct sagi_bin {
-    float lo[4], hi[4]; // the fourth is not used: four floats are one register
-    uint32_t count;
-} sagi_bin;
-
+// Boxes and counts of the primitives in each bin of each axis. The fourth lane means nothing.
 typedef struct sagi_bins {
     int count;
-    float origin[3], scale[3];
-    sagi_bin at[3][SAGI_MAX_BINS];
+    float origin[4], scale[4];
+    float lo[3][SAGI_MAX_BINS][4], hi[3][SAGI_MAX_BINS][4];
+    uint32_t held[3][SAGI_MAX_BINS];
 } sagi_bins;
 
 // Empty bins that fit the range's centroids.
@@ -57,12 +56,33 @@ sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range);
 
 static inline float sagi_centroid(const sagi_bvh_primitive *p, int axis) { return p->lo[axis] + p->hi[axis]; }
 
-static inline int sagi_bin_of(float centroid, float origin, float scale) {
-    return (int)((centroid - origin) * scale);
+// A primitive's corners; the fourth lanes hold its numbers, taken for floats, and go nowhere.
+static inline sagi_lanes sagi_lower(const sagi_bvh_primitive *p) { return sagi_lanes_load(p); }
+static inline sagi_lanes sagi_upper(const sagi_bvh_primitive *p) {
+    return sagi_lanes_load((const char *)p + offsetof(sagi_bvh_primitive, hi));
 }
 
+// The extent of centroids (lo + hi) while primitives pass by.
+typedef struct sagi_extent {
+    sagi_lanes lo, hi;
+} sagi_extent;
+
+static inline sagi_extent sagi_extent_empty(void) {
+    return (sagi_extent){sagi_lanes_fill(INFINITY), sagi_lanes_fill(-INFINITY)};
+}
+static inline void sagi_extent_add(sagi_extent *e, const sagi_bvh_primitive *p) {
+    sagi_lanes c = sagi_lanes_add(sagi_lower(p), sagi_upper(p));
+    e->lo = sagi_lanes_min(c, e->lo), e->hi = sagi_lanes_max(c, e->hi);
+}
+static inline sagi_float_box sagi_extent_box(const sagi_extent *e) {
+    float lo[4], hi[4];
+    sagi_lanes_store(lo, e->lo), sagi_lanes_store(hi, e->hi);
+    return (sagi_float_box){{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+}
+
+// By the very arithmetic that put primitives into bins.
 static inline bool sagi_split_goes_left(const sagi_split *split, const sagi_bvh_primitive *p) {
-    return sagi_bin_of(sagi_centroid(p, split->axis), split->origin, split->scale) < split->bin;
+    return (int)((sagi_centroid(p, split->axis) - split->origin) * split->scale) < split->bin;
 }
 
 // Reorders primitives so that the half with the smaller centroids on the widest axis comes first.

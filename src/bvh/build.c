@@ -40,12 +40,13 @@ static void measure_chunk(void *argument, size_t index) {
     uint32_t count;
     const sagi_bvh_primitive *p = chunk_begin(b, index, &count);
     chunk *c = &b->chunks[index];
-    c->box = c->left = sagi_float_box_empty();
+    sagi_extent centroids = sagi_extent_empty();
+    c->box = sagi_float_box_empty();
     for (uint32_t i = 0; i < count; i++) {
-        float centroid[3] = {sagi_centroid(&p[i], 0), sagi_centroid(&p[i], 1), sagi_centroid(&p[i], 2)};
         sagi_float_box_extend(&c->box, p[i].lo, p[i].hi);
-        sagi_float_box_extend(&c->left, centroid, centroid);
+        sagi_extent_add(&centroids, &p[i]);
     }
+    c->left = sagi_extent_box(&centroids);
 }
 
 static void bin_chunk(void *argument, size_t index) {
@@ -71,17 +72,17 @@ static void scatter_chunk(void *argument, size_t index) {
     const sagi_bvh_primitive *p = chunk_begin(b, index, &count);
     chunk *c = &b->chunks[index];
     sagi_bvh_primitive *left = b->scratch + c->left_first, *right = b->scratch + c->right_first;
-    c->left = c->right = sagi_float_box_empty();
+    sagi_extent l = sagi_extent_empty(), r = sagi_extent_empty();
     for (uint32_t i = 0; i < count; i++) {
-        float centroid[3] = {sagi_centroid(&p[i], 0), sagi_centroid(&p[i], 1), sagi_centroid(&p[i], 2)};
         if (sagi_split_goes_left(&b->split, &p[i])) {
             *left++ = p[i];
-            sagi_float_box_extend(&c->left, centroid, centroid);
+            sagi_extent_add(&l, &p[i]);
         } else {
             *right++ = p[i];
-            sagi_float_box_extend(&c->right, centroid, centroid);
+            sagi_extent_add(&r, &p[i]);
         }
     }
+    c->left = sagi_extent_box(&l), c->right = sagi_extent_box(&r);
 }
 
 static void copy_chunk(void *argument, size_t index) {

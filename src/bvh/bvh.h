@@ -18,6 +18,7 @@ typedef struct sagi_bvh_primitive {
     float hi[3];
     uint32_t primitive;
 } sagi_bvh_primitive;
+_Static_assert(sizeof(sagi_bvh_primitive) == 32, "each corner is followed by a number of a float's size");
 
 typedef struct sagi_bvh_reference {
     uint32_t geometry, primitive;

@@ -28,38 +28,38 @@ void sagi_bins_init(sagi_bins *bins, const sagi_range *range) {
         float scale = (float)bins->count * (1 - 0x1p-20f) / extent;
         bins->origin[axis] = lo;
         bins->scale[axis] = extent > 0 && scale < 0x1p120f ? scale : 0;
-        for (int b = 0; b < bins->count; b++) {
-            sagi_bin *bin = &bins->at[axis][b];
-            for (int k = 0; k < 4; k++) bin->lo[k] = INFINITY, bin->hi[k] = -INFINITY;
-            bin->count = 0;
-        }
     }
+    bins->origin[3] = bins->scale[3] = 0;
+    sagi_lanes none_lo = sagi_lanes_fill(INFINITY), none_hi = sagi_lanes_fill(-INFINITY);
+    for (int axis = 0; axis < 3; axis++)
+        for (int b = 0; b < bins->count; b++) {
+            sagi_lanes_store(bins->lo[axis][b], none_lo), sagi_lanes_store(bins->hi[axis][b], none_hi);
+            bins->held[axis][b] = 0;
+        }
 }
 
-static inline void bin_extend(sagi_bin *bin, const float lo[4], const float hi[4]) {
-    for (int k = 0; k < 4; k++) bin->lo[k] = lo[k] < bin->lo[k] ? lo[k] : bin->lo[k];
-    for (int k = 0; k < 4; k++) bin->hi[k] = hi[k] > bin->hi[k] ? hi[k] : bin->hi[k];
+static inline void extend(sagi_bins *bins, int axis, int b, sagi_lanes lo, sagi_lanes hi, uint32_t count) {
+    float *own_lo = bins->lo[axis][b], *own_hi = bins->hi[axis][b];
+    sagi_lanes_store(own_lo, sagi_lanes_min(lo, sagi_lanes_load(own_lo)));
+    sagi_lanes_store(own_hi, sagi_lanes_max(hi, sagi_lanes_load(own_hi)));
+    bins->held[axis][b] += count;
 }
 
 void sagi_bins_add(sagi_bins *bins, const sagi_bvh_primitive *primitives, uint32_t count) {
+    sagi_lanes origin = sagi_lanes_load(bins->origin), scale = sagi_lanes_load(bins->scale);
     for (uint32_t i = 0; i < count; i++) {
-        const sagi_bvh_primitive *p = &primitives[i];
-        float lo[4] = {p->lo[0], p->lo[1], p->lo[2], 0}, hi[4] = {p->hi[0], p->hi[1], p->hi[2], 0};
-        for (int axis = 0; axis < 3; axis++) {
-            sagi_bin *bin =
-                &bins->at[axis][sagi_bin_of(lo[axis] + hi[axis], bins->origin[axis], bins->scale[axis])];
-            bin_extend(bin, lo, hi);
-            bin->count++;
-        }
+        sagi_lanes lo = sagi_lower(&primitives[i]), hi = sagi_upper(&primitives[i]);
+        int bin[4];
+        sagi_lanes_to_int(bin, sagi_lanes_mul(sagi_lanes_sub(sagi_lanes_add(lo, hi), origin), scale));
+        for (int axis = 0; axis < 3; axis++) extend(bins, axis, bin[axis], lo, hi, 1);
     }
 }
 
 void sagi_bins_merge(sagi_bins *bins, const sagi_bins *other) {
     for (int axis = 0; axis < 3; axis++)
-        for (int b = 0; b < bins->count; b++) {
-            bin_extend(&bins->at[axis][b], other->at[axis][b].lo, other->at[axis][b].hi);
-            bins->at[axis][b].count += other->at[axis][b].count;
-        }
+        for (int b = 0; b < bins->count; b++)
+            extend(bins, axis, b, sagi_lanes_load(other->lo[axis][b]), sagi_lanes_load(other->hi[axis][b]),
+                   other->held[axis][b]);
 }
 
 // The most primitives a node at this depth may hold (bvh.h).
@@ -74,15 +74,13 @@ static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, sagi_
     sagi_float_box right[SAGI_MAX_BINS], box = sagi_float_box_empty();
     uint32_t right_count[SAGI_MAX_BINS], count = 0;
     for (int b = bins->count - 1; b > 0; b--) {
-        const sagi_bin *bin = &bins->at[axis][b];
-        sagi_float_box_extend(&box, bin->lo, bin->hi);
-        right[b] = box, right_count[b] = count += bin->count;
+        sagi_float_box_extend(&box, bins->lo[axis][b], bins->hi[axis][b]);
+        right[b] = box, right_count[b] = count += bins->held[axis][b];
     }
     box = sagi_float_box_empty(), count = 0;
     for (int b = 1; b < bins->count; b++) {
-        const sagi_bin *bin = &bins->at[axis][b - 1];
-        sagi_float_box_extend(&box, bin->lo, bin->hi);
-        count += bin->count;
+        sagi_float_box_extend(&box, bins->lo[axis][b - 1], bins->hi[axis][b - 1]);
+        count += bins->held[axis][b - 1];
         if (count == 0 || right_count[b] == 0 || count > most || right_count[b] > most) continue;
         float cost = (float)count * sagi_float_box_half_area(&box) +
                      (float)right_count[b] * sagi_float_box_half_area(&right[b]);
