@@ -4,6 +4,7 @@
 #include "support/failing_allocator.h"
 #include "support/meshes.h"
 #include "support/random_shape.h"
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <string.h>
@@ -295,6 +296,55 @@ static void threads_and_batches(void **state) {
     test_mesh_free(&m);
 }
 
+// Threads of the caller's own, all asking one scene at once, each building a scene with an instance of it.
+// (For the tsan preset to watch; the answers must agree too.)
+typedef struct asker {
+    sag_scene *shared;
+    size_t hits;
+} asker;
+
+static void *ask_and_build(void *argument) {
+    asker *a = argument;
+    rng r = rng_make(10);
+    sag_scene *own = sag_scene_create(context);
+    sag_affine map = sag_affine_translate(sag_vec3_make(0.25, 0, 0));
+    if (sag_add_instance(own, a->shared, &map) != 0 || sag_scene_commit(own, NULL) != SAG_OK) return NULL;
+    for (int i = 0; i < 2000; i++) {
+        sag_vec3 o = rng_vec3(&r, 2);
+        sag_ray ray = sag_ray_make(o, sag_sub(rng_vec3(&r, 1), o));
+        sag_hit hit;
+        sag_surface surface;
+        sag_closest closest;
+        if (sag_intersect(a->shared, &ray, &hit)) {
+            sag_surface_at(a->shared, &ray, &hit, &surface);
+            a->hits += 1 + (surface.side == SAG_SIDE_FRONT);
+        }
+        a->hits += sag_count_crossings(own, &ray);
+        if (i % 20 == 0) a->hits += sag_closest_point(own, o, 1, &closest);
+    }
+    sag_scene_destroy(own);
+    return NULL;
+}
+
+static void many_threads(void **state) {
+    (void)state;
+    test_mesh m = test_mesh_sphere(3);
+    sag_scene *scene = sag_scene_create(context);
+    sag_add_mesh(scene, &m.mesh);
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    enum { THREADS = 4 };
+    pthread_t threads[THREADS];
+    asker askers[THREADS];
+    for (int i = 0; i < THREADS; i++) {
+        askers[i] = (asker){scene, 0};
+        assert_int_equal(pthread_create(&threads[i], NULL, ask_and_build, &askers[i]), 0);
+    }
+    for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
+    for (int i = 0; i < THREADS; i++) assert_true(askers[i].hits > 1000 && askers[i].hits == askers[0].hits);
+    sag_scene_destroy(scene);
+    test_mesh_free(&m);
+}
+
 // The k-th allocation fails, for every k: an error, the scene as it was, nothing lost.
 static void memory_runs_out(void **state) {
     (void)state;
@@ -367,6 +417,7 @@ int main(void) {
         cmocka_unit_test(uncommitted_child),
         cmocka_unit_test(surface_extras),
         cmocka_unit_test(threads_and_batches),
+        cmocka_unit_test(many_threads),
         cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(stats),
     };
