@@ -64,6 +64,7 @@ static sag_status make(sag_scene *scene, sagi_snapshot *s, sag_error *error) {
         if (status != SAG_OK) return status;
     }
     sag_status status = sagi_snapshot_build(s);
+    if (status == SAG_ERROR_ARGUMENT) return sag_error_set(error, status, "more than 2^31 primitives");
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory while building the scene");
 }
 

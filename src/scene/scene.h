@@ -59,7 +59,8 @@ struct sagi_snapshot {
 sagi_snapshot *sagi_snapshot_create(const sag_context *context, uint32_t count);
 sagi_snapshot *sagi_snapshot_retain(sagi_snapshot *snapshot);
 void sagi_snapshot_release(sagi_snapshot *snapshot); // NULL does nothing
-// Fills in tree, bounds and counts from the entries (structure.c).
+// Fills in tree, bounds and counts from the entries (structure.c). SAG_ERROR_MEMORY, or SAG_ERROR_ARGUMENT
+// for more than 2^31 primitives.
 sag_status sagi_snapshot_build(sagi_snapshot *snapshot);
 
 // What became of a primitive on its way to the tree.

@@ -194,7 +194,7 @@ static sag_status build(work *w) {
     sum_up(w);
     choose_units(s);
     measure_spread(s);
-    if (w->good > INT32_MAX || s->stats.primitive_count > UINT32_MAX) return SAG_ERROR_MEMORY;
+    if (w->good > INT32_MAX || s->stats.primitive_count > UINT32_MAX) return SAG_ERROR_ARGUMENT;
     size_t bytes = (size_t)w->good * sizeof *w->primitives;
     w->primitives = sag_allocate(context, bytes);
     s->unbounded = sag_allocate(context, s->unbounded_capacity * sizeof *s->unbounded);
