@@ -83,9 +83,11 @@ SAG_API sag_status sag_geometry_remove(sag_scene *scene, uint32_t geometry);
 SAG_API sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, sag_shape_kind *kind,
                                     const void **shape);
 
-/// Where a geometry (or instance) stands: writes the map given to sag_geometry_set_transform (or sag_add_instance), the
-/// identity when there was none. SAG_ERROR_ARGUMENT, writing nothing, for an unknown id.
-SAG_API sag_status sag_geometry_get_transform(const sag_scene *scene, uint32_t geometry, sag_affine *to_scene);
+/// Where a geometry (or instance) stands: writes the map given to sag_geometry_set_transform (or
+/// sag_add_instance), the identity when there was none. SAG_ERROR_ARGUMENT, writing nothing, for an unknown
+/// id.
+SAG_API sag_status sag_geometry_get_transform(const sag_scene *scene, uint32_t geometry,
+                                              sag_affine *to_scene);
 
 /// Makes the scene ready for queries: validates, builds the acceleration structure on the context's threads.
 /// On failure the error says why (the first failed add included) and the scene answers as it did before.
