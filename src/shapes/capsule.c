@@ -5,9 +5,10 @@
 //     the side, with w = p₁ − p₀ and y = p − p₀: (y·y)(w·w) − (y·w)² ≤ r² w·w, a quadric (quadric_solve.c)
 //     whose entry or exit counts only where 0 ≤ y·w ≤ w·w; elsewhere it is inside a ball or outside the
 //     capsule.
-// A ball's crossing counts only beyond its end of the segment. Ball and side touch tangentially where they
-// meet, so at the seam, where rounding could refuse a crossing to both, it is allowed to both: the first
-// entry and the last exit of what is allowed are right to second order of the tolerance.
+// A ball's crossing counts beyond its end of the segment and a little before it, so that at the seam rounding
+// does not refuse a crossing to both; as the balls are parts of the capsule, one more of theirs never makes
+// the first entry earlier or the last exit later than it is.
+#include "math/determinant.h"
 #include "shapes/quadric_solve.h"
 #include "shapes/sphere.h"
 #include "shapes/sweep.h"
@@ -87,17 +88,20 @@ static sag_vec3 from_p0(const sag_capsule *c, const sag_ray *ray, double t) {
                       sagi_ray_coordinate(o->z, c->p0.z, t, d->z).hi};
 }
 
-// Whether the crossing at t is on its part, as nearly as can be told.
+// Whether the crossing at t counts: one of the side between the ends, strictly, in double-double; one of a
+// ball beyond its end or not too far from it.
 static bool is_on_part(const sag_capsule *c, const sag_ray *ray, double t, uint32_t part) {
     if (!isfinite(t)) return false;
-    sag_vec3 w = sag_sub(c->p1, c->p0), y = from_p0(c, ray, t);
-    double along = sag_dot(y, w), ww = sag_dot(w, w);
-    // Roundings of the products, of w, and of t.
-    double reach = sag_length(sag_sub(ray->origin, c->p0)) + c->radius + sqrt(ww);
-    double slack = 0x1p-44 * sqrt(ww) * (reach + fabs(t) * sag_length(ray->direction));
-    if (part == BALL_0) return along <= slack;
-    if (part == BALL_1) return along >= ww - slack;
-    return along >= -slack && along <= ww + slack;
+    const sag_vec3 *o = &ray->origin, *d = &ray->direction;
+    sagi_dd3 w = sagi_dd3_from_diff(c->p1, c->p0);
+    sagi_dd3 y = {sagi_ray_coordinate(o->x, c->p0.x, t, d->x), sagi_ray_coordinate(o->y, c->p0.y, t, d->y),
+                  sagi_ray_coordinate(o->z, c->p0.z, t, d->z)};
+    sagi_dd along = sagi_dot_dd(y, w), beyond = sagi_dd_sub(along, sagi_dot_dd(w, w));
+    if (part == SIDE) return along.hi >= 0 && beyond.hi <= 0;
+    // Roundings of t.
+    double length = sag_length(sagi_dd3_round(w));
+    double slack = 0x1p-44 * length * (length + c->radius + fabs(t) * sag_length(ray->direction));
+    return part == BALL_0 ? along.hi <= slack : beyond.hi >= -slack;
 }
 
 static void consider(span *s, const sag_capsule *c, const sag_ray *ray, double t, bool enters,
@@ -142,6 +146,12 @@ static span find(const sag_capsule *c, const sag_ray *ray) {
     if (side.count == 0) return s;
     consider(&s, c, ray, side.enter[0], true, SIDE);
     consider(&s, c, ray, side.leave[0], false, SIDE);
+    if (isinf(side.enter[0]) && isinf(side.leave[0])) {
+        // Along the axis: in by one ball, out by the other. (Along the side itself both are tangents.)
+        bool forward = sag_dot(ray->direction, sag_sub(c->p1, c->p0)) > 0;
+        if (s.enter_part != (forward ? BALL_0 : BALL_1)) s.enter = NAN;
+        if (s.leave_part != (forward ? BALL_1 : BALL_0)) s.leave = NAN;
+    }
     return s;
 }
 

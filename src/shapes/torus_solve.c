@@ -98,42 +98,49 @@ static bool localise(const sag_torus *torus, const sag_ray *ray, local *l) {
     return true;
 }
 
-// F at the local t in double-double with its error, and F' in double.
-static double residual(const local *l, sagi_dd t, double *slope, double *slope_error, double *error) {
+// F and its derivatives along the ray.
+typedef struct value {
+    double f, f_error;         // by double-double
+    double slope, slope_error; // F'
+    double bend;               // a bound of |F''|
+} value;
+
+static value value_at(const local *l, sagi_dd t) {
     sagi_dd rho2 = {0, 0}, norm2 = {0, 0};
-    double pd = 0, rd = 0, size = 0, reach = 0;
+    double pd = 0, rd = 0, dd = 0, size = 0, reach = 0;
     for (int i = 0; i < 3; i++) {
         sagi_dd step = sagi_dd_mul_double(t, l->d[i]), p = sagi_dd_add_double(step, l->o[i]);
         sagi_dd square = sagi_dd_mul(p, p);
         norm2 = sagi_dd_add(norm2, square);
         if (i < 2) rho2 = sagi_dd_add(rho2, square), rd += p.hi * l->d[i];
-        pd += p.hi * l->d[i];
+        pd += p.hi * l->d[i], dd += l->d[i] * l->d[i];
         size += fabs(p.hi), reach = fmax(reach, fabs(step.hi) + fabs(l->o[i]));
     }
     sagi_dd q = sagi_dd_add(norm2, l->k), r4 = sagi_two_prod(l->major, 4 * l->major);
     double q_size = norm2.hi + l->major * l->major + l->minor * l->minor;
-    double magnitude = q_size * q_size + r4.hi * rho2.hi;
+    value v = {.f = sagi_dd_sub(sagi_dd_mul(q, q), sagi_dd_mul(r4, rho2)).hi};
     // p itself is off by 2⁻¹⁰³ of |o| + |t d|, which may be much more than |p|.
-    *error = 0x1p-98 * magnitude + 0x1p-100 * reach * (4 * q_size * size + 2 * r4.hi * size);
-    *slope = 4 * q.hi * pd - 2 * r4.hi * rd;
-    *slope_error = 0x1p-48 * (4 * q_size + 2 * r4.hi) * size * 2;
-    return sagi_dd_sub(sagi_dd_mul(q, q), sagi_dd_mul(r4, rho2)).hi;
+    v.f_error = 0x1p-98 * (q_size * q_size + r4.hi * rho2.hi) +
+                0x1p-100 * reach * (4 * q_size * size + 2 * r4.hi * size);
+    v.slope = 4 * q.hi * pd - 2 * r4.hi * rd;
+    v.slope_error = 0x1p-47 * (4 * q_size + 2 * r4.hi) * size;
+    v.bend = 8 * pd * pd + (4 * q_size + 2 * r4.hi) * dd;
+    return v;
 }
 
 typedef enum outcome { FOUND, OUT_OF_RANGE, NOT_CERTAIN } outcome;
 
 // Newton in double-double from t; with any_range the range is not looked at.
 static outcome polish(const local *l, sagi_dd t, bool any_range, sagi_cut *cut) {
-    for (int i = 0; i < 6; i++) {
-        double slope, slope_error, error, f = residual(l, t, &slope, &slope_error, &error);
-        if (!(fabs(slope) > 2 * slope_error)) return NOT_CERTAIN;
-        double step = f / slope;
+    for (int i = 0; i < 8; i++) {
+        value v = value_at(l, t);
+        double slope = fabs(v.slope), step = v.f / v.slope, length = fabs(step);
+        if (!(slope > 2 * v.slope_error)) return NOT_CERTAIN;
         t = sagi_dd_add_double(t, -step);
-        // The step is wrong by the error of F and, through that of the slope, by half of itself at most.
-        double left = 2 * error / fabs(slope) + fabs(step) * (slope_error / fabs(slope) + 0x1p-40);
-        if (!(fabs(step) < 0x1p-10)) return NOT_CERTAIN;
-        bool settled = fabs(step) < 0x1p-30 || step == 0;
-        if (!settled) continue;
+        // Newton's theorem needs the slope to change little over the step; then what is left is the square
+        // of the step times F''/F', and what F and F' were off.
+        if (!(length * v.bend < 0x1p-3 * slope)) return NOT_CERTAIN;
+        double left = (2 * v.f_error + length * (v.slope_error + v.bend * length)) / slope;
         if (!any_range && (t.hi + left < l->t_min || t.hi - left > l->t_max)) return OUT_OF_RANGE;
         if (left <= 0x1p-54 * fabs(t.hi)) {
             *cut = (sagi_cut){t, left};
