@@ -41,10 +41,25 @@ static int sign_at(const polynomial *p, sagi_real x) {
     return size <= ZERO * p->size ? 0 : sagi_real_sign(&y);
 }
 
+// About where the sign changes between a and b, by halving in doubles: a start for the long arithmetic.
+static double guess_between(const polynomial *p, double a, double b, int sign_a) {
+    for (int i = 0; i < 50; i++) {
+        double x = 0.5 * (a + b), y = 0;
+        for (int k = p->degree; k >= 0; k--) y = y * x + sagi_real_to_double(&p->c[k]);
+        if ((y > 0) == (sign_a > 0))
+            a = x;
+        else
+            b = x;
+    }
+    return 0.5 * (a + b);
+}
+
 // The root between a and b, where the signs are `sign_a` and its opposite.
 static sagi_real bracketed_root(const polynomial *p, sagi_real a, sagi_real b, int sign_a, double reach) {
     polynomial slope = derivative_of(p);
-    sagi_real x = sagi_real_scale(sagi_real_add(a, b), 0.5);
+    sagi_real x = sagi_real_from(guess_between(p, sagi_real_to_double(&a), sagi_real_to_double(&b), sign_a));
+    if (sagi_real_compare(x, a) <= 0 || sagi_real_compare(x, b) >= 0)
+        x = sagi_real_scale(sagi_real_add(a, b), 0.5);
     sagi_real gap = sagi_real_sub(b, a);
     double width = sagi_real_to_double(&gap);
     for (int i = 0; i < 1000; i++) {

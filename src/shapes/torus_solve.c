@@ -14,8 +14,11 @@
 // 2. quartic.c brackets its roots in doubles, or says that it cannot tell how many there are.
 // 3. Newton with F in double-double: its error is below 2⁻⁹⁸ of M = (|p|²sum + |K|)² + 4R²ρ², which over |F'|
 //    bounds that of t. Enough for a root out of range, or for 2⁻⁵⁴ |t|: done.
-// 4. Else 400 bits: Newton from there for a start on the surface, all of step 2 for tangents. A t below 2⁻²⁵⁰
-//    is a start exactly on the surface: t = 0 (OpenMC #1933, #2053: cutoffs of 1e-10 are wrong for some R).
+// 4. For a start on the surface, t near 0, that error is too much beside t. But of f₀ + f₁t + f₂t² + …, the
+//    same quartic about the origin, only f₀ = F(o) cancels: with f₀ to 400 bits and the rest in double-double
+//    Newton gives t to all its bits; and f₀ = 0 is a start exactly on the surface, t = 0. (OpenMC #1933,
+//    #2053: setting f₀ to 0 below 1e-10 is wrong for some R.)
+// 5. Else, near tangents, 400 bits throughout: Newton from the guess, or step 2 again. |t| below 2⁻²⁵⁰ is 0.
 #include "math/quartic.h"
 #include "shapes/torus.h"
 
@@ -175,6 +178,74 @@ static void real_quartic(const local *l, sagi_real c[5]) {
     c[0] = sagi_real_sub(real_square(q), sagi_real_mul(r4, c2));
 }
 
+// F(o) to 400 bits, as its two leading parts.
+static sagi_dd value_at_origin(const local *l) {
+    sagi_real norm2 = {0}, rho2 = {0};
+    for (int i = 0; i < 3; i++) {
+        sagi_real o = sagi_real_from(l->o[i]);
+        norm2 = sagi_real_add(norm2, sagi_real_scale(o, l->o[i]));
+        if (i == 1) rho2 = norm2;
+    }
+    sagi_real major2 = sagi_real_scale(sagi_real_from(l->major), l->major);
+    sagi_real minor2 = sagi_real_scale(sagi_real_from(l->minor), l->minor);
+    sagi_real q = sagi_real_add(norm2, sagi_real_sub(major2, minor2));
+    sagi_real f = sagi_real_sub(real_square(q), sagi_real_scale(sagi_real_mul(major2, rho2), 4));
+    return sagi_cut_real(f, sagi_real_from(1)).t;
+}
+
+// The quartic about the origin, f[0] to all its bits, and the magnitudes of the others' terms.
+static void set_local_quartic(const local *l, sagi_dd f[5], double sizes[5]) {
+    const sagi_dd3 o = {{l->o[0], 0}, {l->o[1], 0}, {l->o[2], 0}},
+                   d = {{l->d[0], 0}, {l->d[1], 0}, {l->d[2], 0}};
+    const sagi_dd3 flat_o = {o.x, o.y, {0, 0}}, flat_d = {d.x, d.y, {0, 0}};
+    sagi_dd aa = sagi_dot_dd(d, d), b = sagi_dot_dd(o, d), a2 = sagi_dot_dd(flat_d, flat_d);
+    sagi_dd b2 = sagi_dot_dd(flat_o, flat_d), r4 = sagi_two_prod(l->major, 4 * l->major);
+    sagi_dd q = sagi_dd_add(sagi_dot_dd(o, o), l->k);
+    f[0] = value_at_origin(l);
+    f[1] = sagi_dd_sub(sagi_dd_mul_double(sagi_dd_mul(b, q), 4), sagi_dd_mul_double(sagi_dd_mul(r4, b2), 2));
+    f[2] = sagi_dd_add(sagi_dd_mul_double(sagi_dd_mul(aa, q), 2), sagi_dd_mul_double(sagi_dd_mul(b, b), 4));
+    f[2] = sagi_dd_sub(f[2], sagi_dd_mul(r4, a2));
+    f[3] = sagi_dd_mul_double(sagi_dd_mul(aa, b), 4);
+    f[4] = sagi_dd_mul(aa, aa);
+    double od = sqrt(aa.hi * sagi_dot_dd(o, o).hi);
+    double q_size = sagi_dot_dd(o, o).hi + l->major * l->major + l->minor * l->minor;
+    sizes[0] = fabs(f[0].hi);
+    sizes[1] = od * (4 * q_size + 2 * r4.hi);
+    sizes[2] = aa.hi * (2 * q_size + r4.hi) + 4 * od * od;
+    sizes[3] = 4 * aa.hi * od, sizes[4] = f[4].hi;
+}
+
+// Newton for a root near t = 0.
+static outcome polish_near_origin(const local *l, double guess, sagi_cut *cut) {
+    sagi_dd f[5], t = {guess, 0};
+    double sizes[5];
+    set_local_quartic(l, f, sizes);
+    if (f[0].hi == 0 && fabs(f[1].hi) > 0x1p-40 * sizes[1]) {
+        *cut = (sagi_cut){{0, 0}, 0};
+        return FOUND;
+    }
+    for (int i = 0; i < 12; i++) {
+        sagi_dd y = f[4], slope = {0, 0};
+        double error = sizes[4], reach = fabs(t.hi);
+        for (int k = 3; k >= 0; k--) {
+            slope = sagi_dd_add(sagi_dd_mul(slope, t), y);
+            y = sagi_dd_add(sagi_dd_mul(y, t), f[k]);
+            error = error * reach + sizes[k];
+        }
+        double step = y.hi / slope.hi, length = fabs(step),
+               bend = 2 * sizes[2] + 6 * sizes[3] + 12 * sizes[4];
+        t = sagi_dd_add_double(t, -step);
+        double change = length * bend / fabs(slope.hi) + 0x1p-45; // of the slope over the step
+        if (!(change < 0x1p-3 && fabs(slope.hi) > 0x1p-40 * sizes[1])) return NOT_CERTAIN;
+        double left = 0x1p-98 * error / fabs(slope.hi) + length * change;
+        if (left <= 0x1p-54 * fabs(t.hi)) {
+            *cut = (sagi_cut){t, left};
+            return FOUND;
+        }
+    }
+    return NOT_CERTAIN;
+}
+
 static sagi_cut cut_at(const local *l, sagi_real s) {
     sagi_cut cut = sagi_cut_real(sagi_real_add(s, sagi_real_from(l->t0)), sagi_real_from(1));
     if (fabs(cut.t.hi) < 0x1p-250) cut.t = (sagi_dd){0, 0};
@@ -203,6 +274,8 @@ static int solve(const local *l, int most, sagi_cut cuts[4]) {
         double t = l->t0 + roots[i];
         if (t + slack < l->t_min || t - slack > l->t_max) continue;
         outcome found = polish(l, sagi_two_sum(l->t0, roots[i]), false, &cuts[count]);
+        if (found == NOT_CERTAIN && fabs(t) < 0x1p-20 * (l->high - l->low))
+            found = polish_near_origin(l, t, &cuts[count]);
         if (found == NOT_CERTAIN) {
             sagi_real c[5], s;
             real_quartic(l, c);

@@ -328,7 +328,7 @@ static void capsules(void **state) {
     chain w;
     chain_init(&w);
     tally t = {0};
-    size_t rays = soak(200000);
+    size_t rays = soak(100000);
     for (size_t i = 0; i < rays; i += 20) {
         double size = rng_log_uniform(&r, 1e-9, 1e9);
         sag_vec3 center = rng_one_in(&r, 3) ? (sag_vec3){0, 0, 0} : rng_vec3(&r, size * 10);
