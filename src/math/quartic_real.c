@@ -109,7 +109,7 @@ int sagi_quartic_roots_real(const sagi_real c[5], double low, double high, sagi_
     double reach = fmax(fabs(low), fabs(high));
     levels[4] = (polynomial){.degree = 4, .c = {c[0], c[1], c[2], c[3], c[4]}};
     for (int k = 3; k >= 1; k--) levels[k] = derivative_of(&levels[k + 1]);
-    sagi_real places[MOST], found[MOST];
+    sagi_real places[MOST] = {{0}}, found[MOST] = {{0}};
     int count = 0;
     for (int k = 1; k <= 4; k++) {
         set_size(&levels[k], reach);

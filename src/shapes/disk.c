@@ -175,8 +175,9 @@ bool sag_disk_sample(const sag_disk *disk, sag_vec2 random, sag_surface *surface
 
 // The point of the radial segment at angle φ nearest to the in-plane vector (x, y).
 static sag_vec2 nearest_on_radius(const sag_disk *disk, double phi, double x, double y) {
-    double along = fmax(disk->inner_radius, fmin(x * cos(phi) + y * sin(phi), disk->radius));
-    return (sag_vec2){along * cos(phi), along * sin(phi)};
+    double c = cos(phi), s = sin(phi);
+    double along = fmax(disk->inner_radius, fmin(x * c + y * s, disk->radius));
+    return (sag_vec2){along * c, along * s};
 }
 
 sag_vec3 sag_disk_closest_point(const sag_disk *disk, sag_vec3 point) {

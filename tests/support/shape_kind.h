@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A shape's verbs as a table entry, for tests of one shape. SHAPE_KIND(box) defines box_kind.
+// A shape's verbs as a table entry, for a shape that is not in the library's own table (sagi_shape_classes).
+// SHAPE_KIND(trough) defines trough_kind.
 #ifndef TESTS_SUPPORT_SHAPE_KIND_H
 #define TESTS_SUPPORT_SHAPE_KIND_H
 
 #include "shapes/shape.h"
 
-// (The library's own table, sagi_shape_classes, would do; it links every shape into every test.)
 #define SHAPE_KIND(X)                                                                                        \
     static sag_status X##_kind_validate(const void *s, sag_error *e) { return sag_##X##_validate(s, e); }    \
     static sag_box3 X##_kind_bounds(const void *s) { return sag_##X##_bounds(s); }                           \

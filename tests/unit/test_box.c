@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The axis-aligned box: analytic values, the properties of every shape, edges and vertices counted once.
-#include "support/shape_kind.h"
 #include "support/shape_properties.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,10 +7,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-SHAPE_KIND(box)
-SHAPE_CONTAINS(box)
-SHAPE_CLOSEST(box)
 
 static const sag_box unit = {{0, 0, 0}, {1, 1, 1}};
 
@@ -101,8 +96,6 @@ static void vertices_from_everywhere(void **state) {
 static void properties(void **state) {
     (void)state;
     rng r = rng_make(22);
-    box_kind.contains = box_kind_contains, box_kind.volume = box_kind_volume;
-    box_kind.closest_point = box_kind_closest;
     for (int i = 0; i < 40; i++) {
         double scale = rng_log_uniform(&r, 1e-9, 1e9);
         sag_vec3 center = i % 4 == 0 ? (sag_vec3){0, 0, 0} : rng_vec3(&r, 3 * scale);
@@ -110,7 +103,7 @@ static void properties(void **state) {
                          scale * (0.1 + rng_unit(&r))};
         sag_box box = {sag_sub(center, half), sag_add(center, half)};
         if (i % 4 == 1) box.min = sag_vec3_make(0, 0, 0), box.max = sag_scale(half, 2), center = half;
-        shape_case c = {&box_kind, &box, center, sag_length(half), LEAVING_CONVEX};
+        shape_case c = {&sagi_shape_classes[SAG_SHAPE_BOX], &box, center, sag_length(half), LEAVING_CONVEX};
         assert_int_equal(sag_box_validate(&box, NULL), SAG_OK);
         check_verbs(&c, &r, 2000);
         check_surfaces(&c, &r, 2000);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Oriented box, polyhedron, frustum and capsule: analytic values, the properties of every shape, bad input.
-#include "support/shape_kind.h"
 #include "support/shape_properties.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,26 +9,6 @@
 #include <cmocka.h>
 
 #define PI 3.14159265358979323846
-
-SHAPE_KIND(oriented_box)
-SHAPE_CONTAINS(oriented_box)
-SHAPE_CLOSEST(oriented_box)
-SHAPE_KIND(polyhedron)
-SHAPE_CONTAINS(polyhedron)
-SHAPE_CLOSEST(polyhedron)
-SHAPE_KIND(capsule)
-SHAPE_CONTAINS(capsule)
-SHAPE_CLOSEST(capsule)
-
-static void complete_kinds(void) {
-    oriented_box_kind.contains = oriented_box_kind_contains,
-    oriented_box_kind.volume = oriented_box_kind_volume;
-    oriented_box_kind.closest_point = oriented_box_kind_closest;
-    polyhedron_kind.contains = polyhedron_kind_contains, polyhedron_kind.volume = polyhedron_kind_volume;
-    polyhedron_kind.closest_point = polyhedron_kind_closest;
-    capsule_kind.contains = capsule_kind_contains, capsule_kind.volume = capsule_kind_volume;
-    capsule_kind.closest_point = capsule_kind_closest;
-}
 
 static void check_all(const shape_case *c, rng *r, bool statistics) {
     assert_int_equal(c->kind->validate(c->shape, NULL), SAG_OK);
@@ -74,7 +53,8 @@ static void oriented_box_properties(void **state) {
             box.half_axes[k] = sag_scale(rng_direction(&r), scale * (0.1 + rng_unit(&r)));
             radius += sag_length(box.half_axes[k]);
         }
-        shape_case c = {&oriented_box_kind, &box, box.center, radius, LEAVING_CONVEX};
+        shape_case c = {&sagi_shape_classes[SAG_SHAPE_ORIENTED_BOX], &box, box.center, radius,
+                        LEAVING_CONVEX};
         check_all(&c, &r, i < 10);
     }
 }
@@ -93,7 +73,7 @@ static void polyhedron_is_box(void **state) {
     assert_true(bounds.min.x <= -1 && bounds.max.z >= 3 && bounds.min.x > -1 - 1e-12 &&
                 bounds.max.z < 3 + 1e-12);
     rng r = rng_make(32);
-    shape_case c = {&polyhedron_kind, &polyhedron, {0, 0, 0}, 4, LEAVING_CONVEX};
+    shape_case c = {&sagi_shape_classes[SAG_SHAPE_POLYHEDRON], &polyhedron, {0, 0, 0}, 4, LEAVING_CONVEX};
     for (int i = 0; i < 20000; i++) {
         sag_ray ray = shape_random_ray(&r, &c);
         sag_hit a[2], b[2];
@@ -153,7 +133,8 @@ static void polyhedron_properties(void **state) {
                 (sag_half_space){d, sag_dot(d, center) + sag_length(d) * scale * rng_uniform(&r, 0.5, 1)};
         }
         sag_polyhedron polyhedron = {planes, n};
-        shape_case c = {&polyhedron_kind, &polyhedron, center, 3 * scale, LEAVING_CONVEX};
+        shape_case c = {&sagi_shape_classes[SAG_SHAPE_POLYHEDRON], &polyhedron, center, 3 * scale,
+                        LEAVING_CONVEX};
         check_all(&c, &r, i < 5);
     }
 }
@@ -271,13 +252,13 @@ static void capsule_properties(void **state) {
         sag_vec3 half = sag_scale(rng_direction(&r), i % 5 == 0 ? 0 : scale * rng_unit(&r));
         sag_capsule capsule = {sag_sub(center, half), sag_add(center, half),
                                scale * rng_log_uniform(&r, 0.01, 2)};
-        shape_case c = {&capsule_kind, &capsule, center, sag_length(half) + capsule.radius, LEAVING_CONVEX};
+        shape_case c = {&sagi_shape_classes[SAG_SHAPE_CAPSULE], &capsule, center,
+                        sag_length(half) + capsule.radius, LEAVING_CONVEX};
         check_all(&c, &r, i < 10);
     }
 }
 
 int main(void) {
-    complete_kinds();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(oriented_box_values),      cmocka_unit_test(oriented_box_properties),
         cmocka_unit_test(polyhedron_is_box),        cmocka_unit_test(polyhedron_unbounded),

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Plane, disk and rectangle: analytic values, the properties of every shape, edges, bad input.
-#include "support/shape_kind.h"
 #include "support/shape_properties.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,14 +9,6 @@
 #include <cmocka.h>
 
 #define PI 3.14159265358979323846
-
-SHAPE_KIND(plane)
-SHAPE_CONTAINS(plane)
-SHAPE_CLOSEST(plane)
-SHAPE_KIND(disk)
-SHAPE_CLOSEST(disk)
-SHAPE_KIND(rectangle)
-SHAPE_CLOSEST(rectangle)
 
 static void plane_values(void **state) {
     (void)state;
@@ -133,9 +124,6 @@ static void rectangle_values(void **state) {
 static void properties(void **state) {
     (void)state;
     rng r = rng_make(12);
-    plane_kind.contains = plane_kind_contains, plane_kind.volume = plane_kind_volume;
-    plane_kind.closest_point = plane_kind_closest;
-    disk_kind.closest_point = disk_kind_closest, rectangle_kind.closest_point = rectangle_kind_closest;
     for (int i = 0; i < 40; i++) {
         double scale = rng_log_uniform(&r, 1e-9, 1e9);
         sag_vec3 center = i % 4 == 0 ? (sag_vec3){0, 0, 0} : rng_vec3(&r, 3 * scale);
@@ -148,9 +136,10 @@ static void properties(void **state) {
         sag_rectangle rectangle = {.edge_u = sag_scale(rng_direction(&r), scale),
                                    .edge_v = sag_scale(rng_direction(&r), scale)};
         rectangle.corner = sag_sub(center, sag_scale(sag_add(rectangle.edge_u, rectangle.edge_v), 0.5));
-        const shape_case cases[3] = {{&plane_kind, &plane, center, scale, LEAVING_FLAT},
-                                     {&disk_kind, &disk, center, scale, LEAVING_FLAT},
-                                     {&rectangle_kind, &rectangle, center, scale, LEAVING_FLAT}};
+        const shape_case cases[3] = {
+            {&sagi_shape_classes[SAG_SHAPE_PLANE], &plane, center, scale, LEAVING_FLAT},
+            {&sagi_shape_classes[SAG_SHAPE_DISK], &disk, center, scale, LEAVING_FLAT},
+            {&sagi_shape_classes[SAG_SHAPE_RECTANGLE], &rectangle, center, scale, LEAVING_FLAT}};
         for (int j = 0; j < 3; j++) {
             const shape_case *c = &cases[j];
             assert_int_equal(c->kind->validate(c->shape, NULL), SAG_OK);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The torus: analytic values, the properties of every shape, and what users of other programs met: starts on
 // the surface, spindles, double roots, phantom hits.
-#include "support/shape_kind.h"
 #include "support/shape_properties.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,10 +10,6 @@
 #include <cmocka.h>
 
 #define PI 3.14159265358979323846
-
-SHAPE_KIND(torus)
-SHAPE_CONTAINS(torus)
-SHAPE_CLOSEST(torus)
 
 static void values(void **state) {
     (void)state;
@@ -186,14 +181,16 @@ static void pov_358_rayx_467_roots_are_roots(void **state) {
 static void properties(void **state) {
     (void)state;
     rng r = rng_make(43);
-    torus_kind.contains = torus_kind_contains, torus_kind.volume = torus_kind_volume;
-    torus_kind.closest_point = torus_kind_closest;
     const double ratios[8] = {0.3, 0.9, 1, 1.5, 20, 0.01, 0.6, 3};
     for (int i = 0; i < 24; i++) {
         double scale = rng_log_uniform(&r, 1e-9, 1e9);
         sag_torus torus = {scale, scale * ratios[i % 8]};
         if (i == 23) torus.major_radius = 0;
-        shape_case c = {&torus_kind, &torus, {0, 0, 0}, torus.major_radius + torus.minor_radius, LEAVING_ANY};
+        shape_case c = {&sagi_shape_classes[SAG_SHAPE_TORUS],
+                        &torus,
+                        {0, 0, 0},
+                        torus.major_radius + torus.minor_radius,
+                        LEAVING_ANY};
         assert_int_equal(sag_torus_validate(&torus, NULL), SAG_OK);
         check_verbs(&c, &r, 1000);
         check_surfaces(&c, &r, 1000);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The user-defined shape: a row of unit balls made by callbacks beside the library's own spheres.
-#include "support/shape_kind.h"
 #include "support/shape_properties.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,8 +7,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-SHAPE_KIND(user)
 
 #define COUNT 200
 
@@ -139,7 +136,7 @@ static void messages(void **state) {
     assert_true(sag_box3_is_empty(&box));
     bool backwards = false;
     sag_user good = {5, &backwards, unit_bounds, tied_crossings, bare_surface};
-    shape_case c = {&user_kind, &good, {0, 0, 0}, 1, LEAVING_ANY};
+    shape_case c = {&sagi_shape_classes[SAG_SHAPE_USER], &good, {0, 0, 0}, 1, LEAVING_ANY};
     check_bad_rays(&c);
 }
 
