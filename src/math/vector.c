@@ -10,7 +10,7 @@ sag_vec3 sag_normalize(sag_vec3 a) {
     if (!(squared > 0x1p-900 && squared < 0x1p1000)) {
         double largest = sag_max_component(sag_abs(a));
         if (largest == 0) return a;
-        int exponent = ilogb(largest); // of an infinite vector nothing sensible comes out: NaN
+        int exponent = isfinite(largest) ? ilogb(largest) : 0; // of an infinite vector comes NaN
         a = sag_vec3_make(scalbn(a.x, -exponent), scalbn(a.y, -exponent), scalbn(a.z, -exponent));
         squared = sag_dot(a, a);
     }

@@ -18,7 +18,8 @@ typedef struct slabs {
 } slabs;
 
 static bool is_valid(const sag_box *box) {
-    return box->min.x < box->max.x && box->min.y < box->max.y && box->min.z < box->max.z;
+    return box->min.x < box->max.x && box->min.y < box->max.y && box->min.z < box->max.z &&
+           sagi_is_coordinate3(box->min) && sagi_is_coordinate3(box->max);
 }
 
 // The product of the magnitudes of an expansion of two components and a double, times 2^shift; exact. The

@@ -22,8 +22,8 @@ typedef struct span {
 } span;
 
 static bool is_usable(const sag_capsule *capsule) {
-    return capsule->radius > 0 && isfinite(capsule->radius) && sag_is_finite(capsule->p0) &&
-           sag_is_finite(capsule->p1);
+    return capsule->radius > 0 && sagi_is_coordinate(capsule->radius) && sagi_is_coordinate3(capsule->p0) &&
+           sagi_is_coordinate3(capsule->p1);
 }
 
 static bool is_ball(const sag_capsule *c) {

@@ -17,9 +17,17 @@ static double phi_max(const sag_disk *disk) {
     return disk->phi_max_rad == 0 ? 2 * SAGI_PI : disk->phi_max_rad;
 }
 
+static bool has_axis(const sag_disk *disk) { return !sagi_is_zero3(disk->x_axis); }
+
+static bool is_axis_parallel(const sag_disk *disk) {
+    return sagi_is_zero3(sag_cross(sag_normalize(disk->x_axis), sag_normalize(disk->normal)));
+}
+
 static bool is_valid(const sag_disk *disk) {
     return disk->radius > 0 && disk->inner_radius >= 0 && disk->inner_radius < disk->radius &&
-           disk->phi_max_rad >= 0 && disk->phi_max_rad <= 2 * SAGI_PI;
+           disk->phi_max_rad >= 0 && disk->phi_max_rad <= 2 * SAGI_PI && sagi_is_coordinate(disk->radius) &&
+           sagi_is_coordinate3(disk->center) && sagi_is_coordinate3(disk->normal) &&
+           sagi_is_coordinate3(disk->x_axis) && !(has_axis(disk) && is_axis_parallel(disk));
 }
 
 static frame frame_of(const sag_disk *disk) {
@@ -95,8 +103,7 @@ sag_status sag_disk_validate(const sag_disk *disk, sag_error *error) {
         return sagi_invalid(error, "disk", "inner_radius", disk->inner_radius, "must be in [0, radius)");
     if (!(disk->phi_max_rad >= 0 && disk->phi_max_rad <= 2 * SAGI_PI))
         return sagi_invalid(error, "disk", "phi_max_rad", disk->phi_max_rad, "must be in [0, 2 pi]");
-    if (!sagi_is_zero3(disk->x_axis) &&
-        sagi_is_zero3(sag_cross(sag_normalize(disk->x_axis), sag_normalize(disk->normal))))
+    if (has_axis(disk) && is_axis_parallel(disk))
         return sagi_invalid3(error, "disk", "x_axis", disk->x_axis, "must not be parallel to the normal");
     return SAG_OK;
 }

@@ -25,7 +25,8 @@ static bool prepare(const sag_oriented_box *box, prepared *p) {
         sagi_real exact = sagi_determinant_real(axis_dd(box, 0), axis_dd(box, 1), axis_dd(box, 2));
         p->sign = sagi_real_sign(&exact);
     }
-    return p->sign != 0 && isfinite(p->det);
+    return p->sign != 0 && sagi_is_coordinate3(a[0]) && sagi_is_coordinate3(a[1]) &&
+           sagi_is_coordinate3(a[2]) && sagi_is_coordinate3(box->center);
 }
 
 // +1 for the face s = 1 (odd), −1 for s = −1, times σ.

@@ -5,6 +5,15 @@
 #include "shapes/cut.h"
 #include "shapes/validate.h"
 
+static bool is_usable(const sag_plane *plane) {
+    return sagi_is_coordinate3(plane->point) && sagi_is_coordinate3(plane->normal) &&
+           sagi_is_coordinate3(plane->s) && sagi_is_coordinate3(plane->t);
+}
+
+static bool find(const sag_plane *plane, const sag_ray *ray, sagi_cut *cut) {
+    return sag_ray_is_valid(ray) && is_usable(plane) && sagi_cut_plane(plane->normal, plane->point, ray, cut);
+}
+
 sag_status sag_plane_validate(const sag_plane *plane, sag_error *error) {
     sag_status status = sagi_check_point(error, "plane", "point", plane->point);
     if (status == SAG_OK) status = sagi_check_direction(error, "plane", "normal", plane->normal);
@@ -17,22 +26,20 @@ sag_status sag_plane_validate(const sag_plane *plane, sag_error *error) {
 }
 
 sag_box3 sag_plane_bounds(const sag_plane *plane) {
-    if (!sagi_is_coordinate3(plane->point) || !sagi_is_coordinate3(plane->normal) ||
-        sagi_is_zero3(plane->normal))
-        return sag_box3_empty();
+    if (sag_plane_validate(plane, NULL) != SAG_OK) return sag_box3_empty();
     return (sag_box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
 }
 
 bool sag_plane_hit(const sag_plane *plane, const sag_ray *ray, sag_hit *hit) {
     sagi_cut cut;
-    if (!sag_ray_is_valid(ray) || !sagi_cut_plane(plane->normal, plane->point, ray, &cut)) return false;
+    if (!find(plane, ray, &cut)) return false;
     *hit = sagi_hit_make(cut.t.hi, 0, 0, 0);
     return true;
 }
 
 bool sag_plane_occluded(const sag_plane *plane, const sag_ray *ray) {
     sagi_cut cut;
-    return sag_ray_is_valid(ray) && sagi_cut_plane(plane->normal, plane->point, ray, &cut);
+    return find(plane, ray, &cut);
 }
 
 size_t sag_plane_crossings(const sag_plane *plane, const sag_ray *ray, sag_hit *hits, size_t capacity) {

@@ -12,6 +12,11 @@ typedef struct solution {
     double u, v;
 } solution;
 
+static bool is_usable(const sag_rectangle *rectangle) {
+    return sagi_is_coordinate3(rectangle->corner) && sagi_is_coordinate3(rectangle->edge_u) &&
+           sagi_is_coordinate3(rectangle->edge_v);
+}
+
 // The sign of the determinant.
 static int sign_of(double value, double error, sagi_dd3 a, sagi_dd3 b, sagi_dd3 c) {
     if (fabs(value) > error) return value > 0 ? 1 : -1;
@@ -35,7 +40,7 @@ static bool in_unit_interval(sagi_dd3 a, sagi_dd3 b, sagi_dd3 c, int s, double d
 }
 
 static bool find(const sag_rectangle *rectangle, const sag_ray *ray, solution *out) {
-    if (!sag_ray_is_valid(ray)) return false;
+    if (!sag_ray_is_valid(ray) || !is_usable(rectangle)) return false;
     double scale = sagi_power_scale(ray->direction);
     sagi_dd3 e = sagi_dd3_from(rectangle->edge_u), f = sagi_dd3_from(rectangle->edge_v);
     sagi_dd3 d = sagi_dd3_from(sag_scale(ray->direction, scale));
@@ -121,7 +126,7 @@ void sag_rectangle_surface(const sag_rectangle *rectangle, const sag_ray *ray, c
 
 double sag_rectangle_area(const sag_rectangle *rectangle) {
     double area = sag_length(sagi_cross_accurate(rectangle->edge_u, rectangle->edge_v));
-    return area > 0 ? area : 0;
+    return area > 0 && is_usable(rectangle) ? area : 0;
 }
 
 bool sag_rectangle_sample(const sag_rectangle *rectangle, sag_vec2 random, sag_surface *surface) {
