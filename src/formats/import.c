@@ -70,7 +70,10 @@ static bool is_plausible(const sagi_file *file, const char *ending) {
         if (file->size < 84) return begins(file, "solid") && is_text(file);
         const uint8_t *n = file->bytes + 80;
         const uint64_t count = n[0] | (uint64_t)n[1] << 8 | (uint64_t)n[2] << 16 | (uint64_t)n[3] << 24;
-        return 84 + 50 * count <= file->size || (begins(file, "solid") && is_text(file));
+        // Binary: 50 bytes a triangle; some writers leave a little behind them.
+        const uint64_t bytes = 84 + 50 * count;
+        if (count > 0 && bytes <= file->size && file->size - bytes <= 50 * count + (1u << 20)) return true;
+        return begins(file, "solid") && is_text(file);
     }
     if (strcasecmp(ending, ".glb") == 0) return begins(file, "glTF");
     if (strcasecmp(ending, ".fbx") == 0) return begins(file, "Kaydara FBX Binary") || is_text(file);

@@ -12,6 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
+// No number or directive is longer; what is, is noise.
+#define MAX_WORD_BYTES 65536
+
 void sagi_place_find(sagi_place place, int *line, int *column) {
     *line = 1, *column = 1;
     const char *begin = (const char *)place.source->file.bytes, *line_begin = begin;
@@ -71,7 +74,11 @@ sag_status sagi_cursor_next(sagi_cursor *cursor, sagi_token *token, sag_error *e
         return SAG_OK;
     }
     const char *q = p;
-    while (q != end && !is_space(*q) && *q != '"' && *q != '[' && *q != ']' && *q != '#') q++;
+    while (q != end && !is_space(*q) && *q != '"' && *q != '[' && *q != ']' && *q != '#') {
+        q++;
+        if (q - p > MAX_WORD_BYTES)
+            return sagi_place_error(token->place, error, "this is no text of a scene");
+    }
     token->kind = SAGI_TOKEN_WORD;
     token->text = (sagi_slice){p, (size_t)(q - p)};
     cursor->next = q;
