@@ -12,7 +12,7 @@
 
 double sagi_power_scale(sag_vec3 v) {
     double largest = sag_max_component(sag_abs(v));
-    if ((largest >= 0x1p-100 && largest <= 0x1p100) || !(largest > 0) || isinf(largest)) return 1;
+    if ((largest >= 0x1p-100 && largest <= 0x1p250) || !(largest > 0) || isinf(largest)) return 1;
     int exponent = ilogb(largest);
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }

@@ -14,7 +14,8 @@ typedef struct sagi_cut {
 } sagi_cut;
 
 // A power of two that brings the largest coordinate of v near 1, so that products of it neither overflow nor
-// underflow; 1 for ordinary vectors (2⁻¹⁰⁰ to 2¹⁰⁰), so that it usually costs one comparison.
+// underflow; 1 for ordinary vectors (2⁻¹⁰⁰ to 2²⁵⁰), so that it usually costs one comparison and
+// small coordinates beside large ones are kept.
 double sagi_power_scale(sag_vec3 v);
 
 // numerator/denominator when both are known well enough for a relative error of 2⁻⁵⁴, else false: then ask

@@ -132,7 +132,9 @@ static void isolate(chain *w, mpfr_t low, mpfr_t high, int changes_low, int chan
     mpfr_t middle;
     mpfr_init2(middle, BITS);
     if (changes_low - changes_high == 1) {
+        // Just above low, which may be a root that belongs to the interval before.
         int sign_low = sign_at(w, &w->p[0], low);
+        if (sign_low == 0) sign_low = sign_at(w, &w->p[1], low);
         for (int i = 0; i < 500; i++) {
             mpfr_add(middle, low, high, RN), mpfr_div_2ui(middle, middle, 1, RN);
             int sign = sign_at(w, &w->p[0], middle);
