@@ -224,6 +224,8 @@ typedef struct sag_settings {
     uint64_t seed;
     sag_integrator_kind integrator;
     uint32_t max_depth;    ///< bounces; 0: only what shines by itself
+    bool regularize;       ///< roughen what a path meets after its first rough surface (pbrt's): less sharp
+                           ///< caustics for far less noise. Off by default
     sag_strategy strategy; ///< path and direct only
 } sag_settings;
 

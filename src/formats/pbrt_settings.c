@@ -215,7 +215,7 @@ sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 5);
     if (depth < 0) return sagi_params_fail(&p->params, NULL, "maxdepth %d", depth);
     settings->max_depth = (uint32_t)depth;
-    sagi_pbrt_ignore(p, "regularize", "is not supported");
+    settings->regularize = sagi_params_bool(&p->params, "regularize", false);
     sagi_pbrt_ignore(p, "lightsampler", NULL);
     sagi_pbrt_ignore(p, "rrthreshold", NULL);
     return sagi_pbrt_parameters_done(p);

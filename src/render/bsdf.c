@@ -47,6 +47,16 @@ static bool sides_agree(const sagi_bsdf *bsdf, sag_vec3 wi_scene, bool transmiss
     return transmission ? side < 0 : side > 0;
 }
 
+static double regularized(double alpha) { return alpha < 0.3 ? fmax(0.1, fmin(2 * alpha, 0.3)) : alpha; }
+
+void sagi_bsdf_regularize(sagi_bsdf *bsdf) {
+    bool faceted = bsdf->kind == SAG_MATERIAL_CONDUCTOR || bsdf->kind == SAG_MATERIAL_COATED_DIFFUSE ||
+                   (bsdf->kind == SAG_MATERIAL_DIELECTRIC && bsdf->ior != 1);
+    if (!faceted) return;
+    bsdf->facets = (sagi_microfacet){regularized(bsdf->facets.ax), regularized(bsdf->facets.ay)};
+    bsdf->specular = false;
+}
+
 sag_rgb sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *pdf) {
     *pdf = 0;
     sag_rgb black = {0, 0, 0};

@@ -41,6 +41,11 @@ void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, 
 sag_rgb sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 // Draws wi. False when the light ends here.
 bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
+// Roughens mirrors and facets with α < 0.3 to 2α, at least 0.1 and at most 0.3, as pbrt does: a path that was
+// scattered before finds lights from here by sampling them, which else it would by rare chance only
+// (Kaplanyan & Dachsbacher, "Path Space Regularization for Holistic and Robust Light Transport", Eurographics
+// 2013).
+void sagi_bsdf_regularize(sagi_bsdf *bsdf);
 // What the albedo integrator shows.
 sag_rgb sagi_bsdf_albedo(const sagi_bsdf *bsdf);
 

@@ -16,6 +16,7 @@ typedef struct path {
     sagi_shading_point from; // the last surface that scattered
     double surface_pdf;      // with which it chose this ray
     bool exact;              // no surface, a mirror or glass chose it: light is counted in full
+    bool scattered;          // it has met a surface that is no mirror or glass
     double eta2;             // product of the η² crossed
 } path;
 
@@ -61,6 +62,7 @@ static bool scatter(sagi_tracer *tracer, path *p, const sag_surface *surface, co
     p->weight = sagi_rgb_mul(p->weight, sample.weight);
     p->surface_pdf = sample.pdf;
     p->exact = sample.specular;
+    p->scattered |= !sample.specular;
     p->eta2 *= sample.eta * sample.eta;
     *ray = sag_spawn_ray(surface, sample.wi);
     ray->mask = sample.transmission                  ? SAG_RAY_REFRACTION
@@ -92,6 +94,7 @@ sag_rgb sagi_path_radiance(sagi_tracer *tracer, sag_ray ray) {
             break;
         }
         add_emission(tracer, &p, sag_neg(ray.direction), &hit, &surface, appearance);
+        if (p.scattered && render->settings.regularize) sagi_bsdf_regularize(&bsdf);
         if (depth >= render->settings.max_depth || (direct && !p.exact)) break;
         p.from.position = surface.position;
         p.from.normal = bsdf.wo.z < 0 ? sag_neg(bsdf.n) : bsdf.n;
