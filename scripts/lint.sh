@@ -61,6 +61,18 @@ left=$(grep -v '^scripts/lint.sh$' "$gcc_build/lint-files" | xargs grep -nE '\bT
 [ -z "$left" ] || complain "left to do:
 $left"
 
+echo "== documents"
+# README quotes examples/first_ray.c, which the tests compile and run, from its first #include to its end.
+awk '/^```c$/ { quoting = 1; next } /^```$/ { quoting = 0 } quoting' README.md >"$gcc_build/quoted.c"
+awk '/^#include/ { quoting = 1 } quoting' examples/first_ray.c | cmp -s - "$gcc_build/quoted.c" ||
+  complain "README.md does not quote examples/first_ray.c as it is"
+# Every link between documents leads somewhere.
+for page in *.md docs/*.md; do
+  grep -oE '\]\([^)#]+|(src|href)="[^"#]+' "$page" | sed -E 's/^(\]\(|(src|href)=")//' | grep -v '^https*:' | while read -r link; do
+    [ -e "$(dirname "$page")/$link" ] || echo "lint: $page links to $link, which is not there"
+  done
+done | grep . >&2 && status=1
+
 echo "== libraries"
 core=$gcc_build/libsagitta.so
 foreign=$(readelf -d "$core" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -vE '^(libc|libm|libpthread|ld-linux[-a-z0-9_]*)\.so')
