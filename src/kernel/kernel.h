@@ -9,10 +9,12 @@
 #include "kernel/world.h"
 
 typedef struct sagi_kernel {
-    // The verbs of scene.h: sag_intersect, sag_occluded and sag_intersect_all. The ray must be valid.
+    // The verbs of scene.h: sag_intersect, sag_occluded and sag_intersect_all. The ray must be valid. With
+    // both_sides what is one-sided is met from behind too, as parity needs it.
     bool (*intersect)(const sagi_world *world, const sag_ray *ray, sag_hit *hit);
     bool (*occluded)(const sagi_world *world, const sag_ray *ray);
-    size_t (*crossings)(const sagi_world *world, const sag_ray *ray, sag_hit *hits, size_t capacity);
+    size_t (*crossings)(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
+                        size_t capacity);
 } sagi_kernel;
 
 extern const sagi_kernel sagi_kernel_portable, sagi_kernel_avx2, sagi_kernel_avx512;

@@ -20,6 +20,7 @@ typedef struct search {
     sag_hit *best;            // CLOSEST
     bool found;               // CLOSEST, ANY
     sagi_collector collector; // ALL
+    bool both_sides;          // see sagi_kernel
     uint32_t path_length;
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
 } search;
@@ -157,8 +158,9 @@ static bool occluded(const sagi_world *world, const sag_ray *ray) {
     return walk_any(&here);
 }
 
-static size_t crossings(const sagi_world *world, const sag_ray *ray, sag_hit *hits, size_t capacity) {
-    search s = {.collector = {hits, capacity, 0}};
+static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
+                        size_t capacity) {
+    search s = {.collector = {hits, capacity, 0}, .both_sides = both_sides};
     level here = enter(world, ray, &s);
     walk_all(&here);
     sagi_collector_finish(&s.collector);

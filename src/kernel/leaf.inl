@@ -17,12 +17,13 @@ static inline bool mesh_run(question asked, level *here, const sagi_bvh_referenc
         const sagi_item *item = &here->world->items[refs[i].geometry];
         if (!sees(here, item)) continue;
         const sag_mesh *mesh = item->shape;
+        const bool one_sided = mesh->one_sided && !here->search->both_sides;
         const uint32_t *corner = mesh->triangles + 3 * (size_t)refs[i].primitive;
         sag_vec3 a = sagi_mesh_vertex(mesh, corner[0]);
         sag_vec3 b = sagi_mesh_vertex(mesh, corner[item->mirrored ? 2 : 1]);
         sag_vec3 c = sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2]);
         double t, u, v;
-        if (!sagi_triangle_hit(&here->triangle_ray, &a, &b, &c, mesh->one_sided, &t, &u, &v)) continue;
+        if (!sagi_triangle_hit(&here->triangle_ray, &a, &b, &c, one_sided, &t, &u, &v)) continue;
         if (accept(asked, here, refs[i].geometry, refs[i].primitive, t, item->mirrored ? v : u,
                    item->mirrored ? u : v))
             return true;

@@ -12,10 +12,15 @@ bool sag_occluded(const sag_scene *scene, const sag_ray *ray) {
     return s != NULL && sag_ray_is_valid(ray) && scene->kernel->occluded(&s->world, ray);
 }
 
-size_t sag_intersect_all(const sag_scene *scene, const sag_ray *ray, sag_hit *hits, size_t capacity) {
+static size_t crossings(const sag_scene *scene, const sag_ray *ray, bool both_sides, sag_hit *hits,
+                        size_t capacity) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
     if (s == NULL || !sag_ray_is_valid(ray)) return 0;
-    return scene->kernel->crossings(&s->world, ray, hits, capacity);
+    return scene->kernel->crossings(&s->world, ray, both_sides, hits, capacity);
+}
+
+size_t sag_intersect_all(const sag_scene *scene, const sag_ray *ray, sag_hit *hits, size_t capacity) {
+    return crossings(scene, ray, false, hits, capacity);
 }
 
 size_t sag_count_crossings(const sag_scene *scene, const sag_ray *ray) {
@@ -27,7 +32,7 @@ bool sag_contains(const sag_scene *scene, sag_vec3 point) {
     // modelled surfaces like, so it meets few ties. (√2 − 1, √3 − 1, √5 − 2.)
     sag_ray ray =
         sag_ray_make(point, sag_vec3_make(0.41421356237309503, 0.7320508075688772, 0.2360679774997898));
-    return sag_count_crossings(scene, &ray) % 2 == 1;
+    return crossings(scene, &ray, true, NULL, 0) % 2 == 1;
 }
 
 // Rays a thread takes at a time: enough to hide the hand-over, few enough to share evenly.

@@ -182,6 +182,19 @@ static void open3d_5669(void **state) {
     test_mesh_free(&cube);
 }
 
+// A ray meets one side of a one-sided mesh only, but what the mesh contains is the same.
+static void one_sided_meshes_contain(void **state) {
+    (void)state;
+    test_mesh cube = test_mesh_cube();
+    cube.mesh.one_sided = true;
+    sag_scene *scene = scene_of(&cube.mesh);
+    assert_true(sag_contains(scene, sag_vec3_make(0.1, 0.2, 0.3)));
+    assert_false(sag_contains(scene, sag_vec3_make(-2, -3, -2)));
+    assert_false(sag_contains(scene, sag_vec3_make(2, 0, 0)));
+    sag_scene_destroy(scene);
+    test_mesh_free(&cube);
+}
+
 // ifc-lite-3561: one NaN vertex must not take the triangles around it along.
 static void ifc_lite_3561(void **state) {
     (void)state;
@@ -336,6 +349,7 @@ int main(void) {
         cmocka_unit_test(tinybvh_192),
         cmocka_unit_test(trimesh_2524),
         cmocka_unit_test(open3d_5669),
+        cmocka_unit_test(one_sided_meshes_contain),
         cmocka_unit_test(ifc_lite_3561),
         cmocka_unit_test(embree_416_and_42),
         cmocka_unit_test(embree_387),
