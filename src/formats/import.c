@@ -351,7 +351,7 @@ sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_
     snprintf(m.directory, sizeof m.directory, "%.*s", slash ? (int)(slash - path) + 1 : 0, path);
     sag_status status = check_file(&m);
     if (status != SAG_OK) return status;
-    m.scene = aiImportFile(path, aiProcess_Triangulate);
+    m.scene = aiImportFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
     if (!m.scene) {
         const char *reason = aiGetErrorString();
         return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "cannot read: %.400s",
