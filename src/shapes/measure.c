@@ -84,7 +84,7 @@ bool sag_barycentric_3d(sag_vec3 p, sag_vec3 a, sag_vec3 b, sag_vec3 c, double w
     ab = scaled_down(ab, exponent), ac = scaled_down(ac, exponent), ap = scaled_down(ap, exponent);
     sag_vec3 n = sag_cross(ab, ac);
     double square = sag_dot(n, n);
-    if (square > 0x1p-24) {
+    if (square > 0x1p-16) { // |n| > 2⁻⁸: its rounding, some 8 · 2⁻⁵³, is 2⁻⁴² of it at most
         weights[1] = sag_dot(sag_cross(ap, ac), n) / square;
         weights[2] = sag_dot(sag_cross(ab, ap), n) / square;
         weights[0] = 1 - weights[1] - weights[2];

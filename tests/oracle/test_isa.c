@@ -76,6 +76,14 @@ static sag_ray random_ray(rng *r) {
     return ray;
 }
 
+// All but the padding at the end of the struct.
+static bool same_hits(const sag_hit *a, const sag_hit *b, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (memcmp(&a[i], &b[i], offsetof(sag_hit, instance_path) + sizeof a->instance_path) != 0)
+            return false;
+    return true;
+}
+
 static void every_instruction_set_gives_the_same_bits(void **state) {
     (void)state;
     sag_context *contexts[SAGI_ISA_COUNT] = {0};
@@ -92,17 +100,16 @@ static void every_instruction_set_gives_the_same_bits(void **state) {
     for (size_t k = 0, n = soak(200000); k < n; k++) {
         sag_ray ray = random_ray(&r);
         sag_hit expected[MOST], hits[MOST], nearest;
-        memset(expected, 0, sizeof expected);
         size_t all = sag_intersect_all(scenes[SAGI_ISA_PORTABLE], &ray, expected, MOST);
         size_t kept = all < MOST ? all : MOST;
         met += all > 0;
         for (int i = 1; i < SAGI_ISA_COUNT; i++) {
             if (scenes[i] == NULL) continue;
             assert_int_equal(sag_intersect_all(scenes[i], &ray, hits, MOST), all);
-            assert_memory_equal(hits, expected, kept * sizeof *hits);
+            assert_true(same_hits(hits, expected, kept));
             assert_int_equal(sag_occluded(scenes[i], &ray), all > 0);
             assert_int_equal(sag_intersect(scenes[i], &ray, &nearest), all > 0);
-            if (all > 0) assert_memory_equal(&nearest, expected, sizeof nearest);
+            if (all > 0) assert_true(same_hits(&nearest, expected, 1));
         }
     }
     assert_true(met > 1000);
