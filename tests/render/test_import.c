@@ -20,7 +20,7 @@
 
 // Assimp 5.2 loses some kilobytes when it refuses a damaged file: not ours to mend, and not to hide our own
 // leaks.
-const char *__lsan_default_suppressions(void); // NOLINT: the sanitizer's name
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void); // NOLINT: its name
 const char *__lsan_default_suppressions(void) { return "leak:libassimp\n"; }
 
 static char folder[64];
