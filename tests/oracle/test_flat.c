@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#define RAYS       150000
+#define RAYS       1000000
 #define PER_SHAPE  25
 #define MOST_FACES 12
 

@@ -40,7 +40,7 @@ static void check_subject(const quadric_subject *subject) {
     rng r = rng_make(20260101 + (uint64_t)subject->name[0]);
     quadric_truth truth;
     quadric_truth_init(&truth);
-    size_t rays = soak(125000), found = 0, wrong = 0;
+    size_t rays = soak(1000000), found = 0, wrong = 0;
     double worst = 0;
     for (size_t i = 0; i < rays; i += RAYS_PER_SHAPE) {
         double size = rng_log_uniform(&r, 1e-9, 1e9);
