@@ -9,6 +9,6 @@ mkdir -p docs/images/gallery
 for scene in examples/gallery/*.pbrt; do
     name=$(basename "$scene" .pbrt)
     [ "$name" = stage ] && continue
-    "$sagitta" render "$scene" -o "docs/images/gallery/$name.png" --spp 256 --quiet
+    "$sagitta" render "$scene" -o "docs/images/gallery/$name.png" --quiet
 done
 "$sagitta" render examples/showcase.pbrt -o docs/images/showcase.png --quiet

@@ -13,6 +13,7 @@
 #include "formats/output.h"
 
 #include <assimp/cimport.h>
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <stdio.h>
@@ -339,6 +340,20 @@ static sag_status import_scene(importer *m) {
     return status;
 }
 
+// Vertices that are the same are joined. For pictures, what brings no normals of its own gets smooth ones
+// that stop at creases: where neighbouring faces turn by more than 40 degrees.
+static const struct aiScene *import_file(const char *path, bool geometry_only) {
+    const unsigned flags = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices;
+    if (geometry_only) return aiImportFile(path, flags);
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    if (!properties) return NULL;
+    aiSetImportPropertyFloat(properties, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 40);
+    const struct aiScene *scene =
+        aiImportFileExWithProperties(path, flags | aiProcess_GenSmoothNormals, NULL, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
 sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_options *options,
                             const sag_affine *upright, sag_error *error) {
     importer m = {.world = world,
@@ -351,7 +366,7 @@ sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_
     snprintf(m.directory, sizeof m.directory, "%.*s", slash ? (int)(slash - path) + 1 : 0, path);
     sag_status status = check_file(&m);
     if (status != SAG_OK) return status;
-    m.scene = aiImportFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+    m.scene = import_file(path, options->geometry_only);
     if (!m.scene) {
         const char *reason = aiGetErrorString();
         return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "cannot read: %.400s",

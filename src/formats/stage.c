@@ -95,6 +95,7 @@ static sag_status set_stage(sag_world *world, const char *path, sag_error *error
     settings->film.filter_sigma = 0.5;
     settings->samples_per_pixel = 64;
     settings->max_depth = 8;
+    settings->regularize = true;
     return SAG_OK;
 }
 
