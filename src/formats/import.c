@@ -34,6 +34,7 @@ typedef struct importer {
     uint32_t *uses;      // how many nodes show each mesh
     sag_scene **objects; // of each mesh shown more than once
     uint32_t *materials; // the world's id of each material
+    sag_box3 *bounds;    // of all that stands in the world; or NULL
     uint64_t triangle_count;
 } importer;
 
@@ -48,6 +49,10 @@ static const char *ending_of(const char *path) {
     return dot && (!slash || dot > slash) ? dot : "";
 }
 
+static bool begins(const sagi_file *file, const char *magic) {
+    return file->size >= strlen(magic) && memcmp(file->bytes, magic, strlen(magic)) == 0;
+}
+
 static bool is_text(const sagi_file *file) {
     const size_t n = file->size < 4096 ? file->size : 4096;
     for (size_t i = 0; i < n; i++) {
@@ -57,8 +62,24 @@ static bool is_text(const sagi_file *file) {
     return true;
 }
 
-static bool begins(const sagi_file *file, const char *magic) {
-    return file->size >= strlen(magic) && memcmp(file->bytes, magic, strlen(magic)) == 0;
+// Whether an OFF file is long enough for the numbers of vertices and faces that it begins with: Assimp makes
+// room for them before it looks.
+static bool holds_its_counts(const sagi_file *file) {
+    const uint8_t *p = file->bytes, *const end = p + file->size;
+    for (int numbers = 0; numbers < 2 && p != end;) {
+        if (*p == '#') {
+            while (p != end && *p != '\n') p++;
+        } else if (*p >= '0' && *p <= '9') {
+            uint64_t count = 0;
+            for (; p != end && *p >= '0' && *p <= '9' && count <= file->size; p++)
+                count = 10 * count + (*p - '0');
+            if (count > file->size) return false;
+            numbers++;
+        } else { // the format's name: OFF, STOFF, 4OFF …; its digits are no numbers too large
+            p++;
+        }
+    }
+    return true;
 }
 
 // Whether the content may be of the format the name promises.
@@ -66,7 +87,8 @@ static bool is_plausible(const sagi_file *file, const char *ending) {
     static const char *const text[] = {".obj", ".off", ".gltf", ".dae", ".x3d", ".wrl",
                                        ".ac",  ".ase", ".nff",  ".smd", ".raw", ".xml"};
     for (size_t i = 0; i < sizeof text / sizeof *text; i++)
-        if (strcasecmp(ending, text[i]) == 0) return is_text(file);
+        if (strcasecmp(ending, text[i]) == 0)
+            return is_text(file) && (strcasecmp(ending, ".off") != 0 || holds_its_counts(file));
     if (strcasecmp(ending, ".stl") == 0) {
         if (file->size < 84) return begins(file, "solid") && is_text(file);
         const uint8_t *n = file->bytes + 80;
@@ -90,6 +112,7 @@ static sag_status check_file(const importer *m) {
     const sag_status status = sagi_file_open(m->context, m->path, &file, m->error);
     if (status != SAG_OK) return status;
     const bool plausible = is_plausible(&file, ending), empty = file.size == 0;
+    const bool utf16 = begins(&file, "\xff\xfe") || begins(&file, "\xfe\xff");
     sagi_file_close(&file);
     if (!ending[0] || !aiIsExtensionSupported(ending))
         return sag_error_set_at(
@@ -97,6 +120,9 @@ static sag_status check_file(const importer *m) {
             "unknown kind of scene \"%.20s\": .pbrt, .ply, .obj, .stl, .gltf, .glb, .fbx … can be read",
             ending);
     if (empty) return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0, "the file is empty");
+    if (!plausible && utf16)
+        return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
+                                "its text is in UTF-16, which cannot be read: save it as UTF-8");
     if (!plausible)
         return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
                                 "the content is not that of a %.20s file", ending);
@@ -227,6 +253,7 @@ static bool copy_mesh(const struct aiMesh *from, sagi_mesh_data *data, const sag
 // Adds mesh number i to a scene, placed by the map.
 static sag_status add_mesh(importer *m, unsigned i, sag_scene *scene, const sag_affine *placed) {
     const struct aiMesh *from = m->scene->mMeshes[i];
+    if (from->mNumVertices == 0 || from->mNumFaces == 0) return SAG_OK;
     sagi_mesh_data data;
     if (!copy_mesh(from, &data, m->context)) {
         sagi_mesh_data_clear(&data);
@@ -244,7 +271,8 @@ static sag_status add_mesh(importer *m, unsigned i, sag_scene *scene, const sag_
                           &look.emission);
         }
         status = sagi_import_add(m->world, m->options, scene, &data,
-                                 from->mName.length ? from->mName.data : m->path, &look, placed, m->error);
+                                 from->mName.length ? from->mName.data : m->path, &look, placed,
+                                 scene == sag_world_scene(m->world) ? m->bounds : NULL, m->error);
     }
     sagi_mesh_data_clear(&data);
     return status;
@@ -268,6 +296,10 @@ static sag_status show_mesh(importer *m, unsigned i, const sag_affine *placed) {
         sag_status status = add_mesh(m, i, m->objects[i], &identity);
         if (status == SAG_OK) status = sag_scene_commit(m->objects[i], m->error);
         if (status != SAG_OK) return status;
+    }
+    if (m->bounds) {
+        const sag_box3 own = sag_scene_bounds(m->objects[i]);
+        if (!sag_box3_is_empty(&own)) *m->bounds = sag_box3_union(*m->bounds, sag_affine_box(placed, &own));
     }
     return sag_add_instance(world_scene, m->objects[i], placed) != SAG_INVALID_ID ? SAG_OK : out_of_memory(m);
 }
@@ -305,7 +337,10 @@ static sag_status walk(importer *m, bool counting) {
             status = sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
                                       "nodes nest more than %d deep", MAX_NODE_DEPTH);
         } else {
-            stack[depth++] = (visit){v->node->mChildren[v->next_child++], 0, v->to_world};
+            // Some of Assimp's readers (RAW) count children that they do not make.
+            const struct aiNode *child = v->node->mChildren[v->next_child++];
+            arrived = child != NULL;
+            if (child) stack[depth++] = (visit){child, 0, v->to_world};
         }
     }
     sag_release(m->context, stack, MAX_NODE_DEPTH * sizeof *stack);
@@ -355,13 +390,14 @@ static const struct aiScene *import_file(const char *path, bool geometry_only) {
 }
 
 sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_options *options,
-                            const sag_affine *upright, sag_error *error) {
+                            const sag_affine *upright, sag_box3 *bounds, sag_error *error) {
     importer m = {.world = world,
                   .context = sag_world_context(world),
                   .options = options,
                   .path = path,
                   .error = error,
-                  .upright = *upright};
+                  .upright = *upright,
+                  .bounds = bounds};
     const char *slash = strrchr(path, '/');
     snprintf(m.directory, sizeof m.directory, "%.*s", slash ? (int)(slash - path) + 1 : 0, path);
     sag_status status = check_file(&m);

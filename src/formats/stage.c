@@ -20,9 +20,26 @@ uint32_t sagi_default_material(sag_world *world) {
     return sag_world_add_material(world, &material);
 }
 
+// The bounds of a mesh where it is placed; not those of its box's corners, which would leave it hovering
+// above the ground. What the scene will drop does not count.
+static sag_box3 placed_bounds(const sag_mesh *mesh, const sag_affine *placed) {
+    if (sag_affine_is_identity(placed)) return sag_mesh_bounds(mesh);
+    sag_box3 box = sag_box3_empty();
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        sag_vec3 p[3];
+        for (size_t k = 0; k < 3; k++) {
+            const float *from = &mesh->positions_f32[3 * (size_t)mesh->triangles[3 * i + k]];
+            p[k] = sag_affine_point(placed, sag_vec3_make(from[0], from[1], from[2]));
+        }
+        const sag_triangle triangle = {.a = p[0], .b = p[1], .c = p[2]};
+        if (sag_triangle_area(&triangle) > 0) box = sag_box3_union(box, sag_triangle_bounds(&triangle));
+    }
+    return box;
+}
+
 sag_status sagi_import_add(sag_world *world, const sagi_load_options *options, sag_scene *scene,
                            sagi_mesh_data *data, const char *name, const sag_appearance *look,
-                           const sag_affine *placed, sag_error *error) {
+                           const sag_affine *placed, sag_box3 *bounds, sag_error *error) {
     sag_mesh mesh = sagi_mesh_data_view(data);
     if (options->on_mesh) options->on_mesh(options->user, name, &mesh);
     if (!options->geometry_only && !data->normals) {
@@ -38,6 +55,7 @@ sag_status sagi_import_add(sag_world *world, const sagi_load_options *options, s
     if (!sag_affine_is_identity(placed) && sag_geometry_set_transform(scene, geometry, placed) != SAG_OK)
         return sag_error_set(error, SAG_ERROR_GEOMETRY, "the mesh %s is flattened by a singular transform",
                              name);
+    if (bounds) *bounds = sag_box3_union(*bounds, placed_bounds(&mesh, placed));
     return options->geometry_only ? SAG_OK : sag_world_set_appearance(world, scene, geometry, look);
 }
 
@@ -67,12 +85,10 @@ static void place_camera(sag_camera *camera, const sag_box3 *box) {
         sag_camera_look_at(sag_madd(center, 1.02 * distance, backward), center, sag_vec3_make(0, 1, 0));
 }
 
-// Ground, sky, sun and camera around what is in the world's scene.
-static sag_status set_stage(sag_world *world, const char *path, sag_error *error) {
+// Ground, sky, sun and camera around what is in the world's scene, which nothing has been built of yet: the
+// bounds come from the meshes.
+static sag_status set_stage(sag_world *world, const char *path, sag_box3 box, sag_error *error) {
     sag_scene *scene = sag_world_scene(world);
-    const sag_status status = sag_scene_commit(scene, error);
-    if (status != SAG_OK) return status;
-    const sag_box3 box = sag_scene_bounds(scene);
     if (sag_box3_is_empty(&box) || !sag_is_finite(box.min) || !sag_is_finite(box.max))
         return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "no triangle in it has an area");
     const double size = sag_max_component(sag_sub(box.max, box.min));
@@ -105,13 +121,14 @@ static bool ends_with(const char *path, const char *ending) {
 }
 
 static sag_status load_ply(sag_world *world, const char *path, const sagi_load_options *options,
-                           sag_error *error) {
+                           sag_box3 *bounds, sag_error *error) {
     const sag_affine identity = sag_affine_identity();
     sagi_mesh_data data = {.context = sag_world_context(world)};
     sag_status status = sagi_ply_read(data.context, path, &data, error);
     if (status != SAG_OK) return status;
     const sag_appearance look = {.material = options->geometry_only ? 0 : sagi_default_material(world)};
-    status = sagi_import_add(world, options, sag_world_scene(world), &data, path, &look, &identity, error);
+    status =
+        sagi_import_add(world, options, sag_world_scene(world), &data, path, &look, &identity, bounds, error);
     sagi_mesh_data_clear(&data);
     return status;
 }
@@ -123,8 +140,9 @@ sag_status sagi_import_load(sag_world *world, const char *path, const sagi_load_
     if (!options->geometry_only && (ends_with(path, ".stl") || ends_with(path, ".3mf")))
         upright = sag_affine_rotate(-90 * RADIANS, sag_vec3_make(1, 0, 0));
     const bool is_ply = ends_with(path, ".ply") || ends_with(path, ".ply.gz");
-    sag_status status = is_ply ? load_ply(world, path, options, error)
-                               : sagi_assimp_load(world, path, options, &upright, error);
-    if (status == SAG_OK && !options->geometry_only) status = set_stage(world, path, error);
+    sag_box3 box = sag_box3_empty(), *const bounds = options->geometry_only ? NULL : &box;
+    sag_status status = is_ply ? load_ply(world, path, options, bounds, error)
+                               : sagi_assimp_load(world, path, options, &upright, bounds, error);
+    if (status == SAG_OK && !options->geometry_only) status = set_stage(world, path, box, error);
     return status;
 }

@@ -119,6 +119,35 @@ static void test_stage(void **state) {
     sag_world_destroy(world);
 }
 
+// A model that its file turns by 45° still touches the ground: bounds are those of the turned triangles, not
+// of the turned box.
+static void test_turned_model_stands_on_the_ground(void **state) {
+    (void)state;
+    static const char turned[] =
+        "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+        "version=\"1.4.1\"><asset><up_axis>Y_UP"
+        "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array "
+        "id=\"a\" "
+        "count=\"9\">0 1 0 0 -1 0 0 0 1</float_array><technique_common><accessor source=\"#a\" count=\"3\" "
+        "stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
+        "type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input "
+        "semantic=\"POSITION\" "
+        "source=\"#p\"/></vertices><triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" "
+        "offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>"
+        "<visual_scene id=\"s\"><node><rotate>1 0 0 45</rotate><instance_geometry url=\"#g\"/></node>"
+        "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+    write_file("turned.dae", turned, sizeof turned - 1);
+    sag_world *world = sag_world_create(context);
+    sag_error error;
+    if (sag_world_load(world, in_folder("turned.dae"), &error) != SAG_OK) fail_msg("%s", error.message);
+    assert_int_equal(sag_scene_commit(sag_world_scene(world), &error), SAG_OK);
+    sag_hit hit;
+    const sag_ray down = sag_ray_make(sag_vec3_make(1000, 0, 1000), sag_vec3_make(0, -1, 0));
+    assert_true(sag_intersect(sag_world_scene(world), &down, &hit));
+    assert_true(fabs(hit.t - sqrt(0.5)) < 0.001); // the box's corner would be √2 below
+    sag_world_destroy(world);
+}
+
 static const char gltf[] =
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
     "\"nodes\":[{\"mesh\":0,\"translation\":[0,0,5]},{\"mesh\":0,\"translation\":[0,0,9]}],"
@@ -209,6 +238,38 @@ static void test_truncated_files(void **state) {
     }
 }
 
+// Each of these made Assimp or the reading of what it gives fall over: a node without children where one is
+// counted (RAW), room for more vertices than a file has bytes (OFF), a solid without triangles (STL); text in
+// UTF-16 came out as nothing.
+static void test_what_the_importer_trips_over(void **state) {
+    (void)state;
+    static const char raw[] = "Name\n0.5 0.5 0.5 0 0 0 0 1 0 1 0 0\n";
+    static const char stl[] = "solid a\nendsolid a\nsolid b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                              "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid b\n";
+    const struct {
+        const char *name, *text;
+        size_t size;
+    } files[] = {{"w.raw", raw, sizeof raw - 1}, {"w.stl", stl, sizeof stl - 1}};
+    for (size_t f = 0; f < 2; f++) {
+        write_file(files[f].name, files[f].text, files[f].size);
+        sag_world *world = sag_world_create(context);
+        heard h = {0};
+        sag_error error;
+        if (sag_world_load_geometry(world, in_folder(files[f].name), on_mesh, &h, &error) != SAG_OK)
+            fail_msg("%s: %s", files[f].name, error.message);
+        assert_int_equal(h.triangles, 1);
+        sag_world_destroy(world);
+    }
+    static const char off[] = "OFF\n# 1\n353535235358 6 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    fails("w.off", off, sizeof off - 1, "not that of");
+    static const char faces[] = "OFF\n3 99999 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    fails("w.off", faces, sizeof faces - 1, "not that of");
+    fails("w.obj",
+          "\xff\xfev\0 \0"
+          "0\0",
+          8, "UTF-16");
+}
+
 // A gigabyte of nothing (a sparse file) under every name: an error within a second, without reading it.
 static void test_huge_files(void **state) {
     (void)state;
@@ -260,9 +321,14 @@ static void test_shared_meshes(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order_and_number), cmocka_unit_test(test_stage),
-        cmocka_unit_test(test_instances),        cmocka_unit_test(test_foreign_files),
-        cmocka_unit_test(test_truncated_files),  cmocka_unit_test(test_huge_files),
+        cmocka_unit_test(test_order_and_number),
+        cmocka_unit_test(test_stage),
+        cmocka_unit_test(test_turned_model_stands_on_the_ground),
+        cmocka_unit_test(test_what_the_importer_trips_over),
+        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_foreign_files),
+        cmocka_unit_test(test_truncated_files),
+        cmocka_unit_test(test_huge_files),
         cmocka_unit_test(test_shared_meshes),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
