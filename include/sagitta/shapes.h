@@ -9,8 +9,10 @@
 ///
 ///     sag_status sag_X_validate(const sag_X *, sag_error *);
 ///         SAG_OK, or SAG_ERROR_GEOMETRY and a message that names the field and its value. The other verbs
-///         expect a shape that passes; given one that does not they return false, 0 or an empty box: they
-///         never crash, never loop, never read outside the arrays the shape names.
+///         expect a shape that passes; given one that does not they never crash, never loop, never read
+///         outside the arrays the shape names. One whose own numbers do not pass gets false, 0 or an empty
+///         box (tests/unit/test_invalid_shapes.c); what only a search finds (a polygon that crosses itself, a
+///         polyhedron without an inside, a bad index in a mesh) is validate's alone to tell.
 ///     sag_box3 sag_X_bounds(const sag_X *);
 ///         A box that holds the whole shape, rounded outward. Infinite for an unbounded shape.
 ///     bool sag_X_hit(const sag_X *, const sag_ray *, sag_hit *);
@@ -21,10 +23,10 @@
 ///     bool sag_X_occluded(const sag_X *, const sag_ray *);
 ///         Whether there is a crossing in [t_min, t_max]; always the same answer as hit, sooner.
 ///     size_t sag_X_crossings(const sag_X *, const sag_ray *, sag_hit *hits, size_t capacity);
-///         Every crossing in [t_min, t_max] in order of t. Writes the first `capacity` of them to hits[]
-///         (which may be NULL when capacity is 0) and returns how many there are in all. A closed shape is
-///         entered and left equally often by a ray from −∞ to ∞; where a ray touches without entering the
-///         count is 0 or 2.
+///         Every crossing in [t_min, t_max] in order of t, at equal t of primitive. Writes the first
+///         `capacity` of them to hits[] (which may be NULL when capacity is 0) and returns how many there are
+///         in all. A closed shape is entered and left equally often by a ray from −∞ to ∞; where a ray
+///         touches without entering the count is 0 or 2.
 ///     void sag_X_surface(const sag_X *, const sag_ray *, const sag_hit *, sag_surface *);
 ///         Everything about a hit that hit or crossings reported for this very ray.
 ///     double sag_X_area(const sag_X *);

@@ -43,6 +43,13 @@ static inline sagi_dd sagi_two_prod(double a, double b) {
 #endif
 }
 
+// As two_prod, for factors of any size: the splitting of one beyond 2⁹⁹⁶ would overflow.
+static inline sagi_dd sagi_two_prod_any(double a, double b) {
+    if (fabs(a) > 0x1p900) return sagi_two_prod(a * 0x1p-200, b * 0x1p200);
+    if (fabs(b) > 0x1p900) return sagi_two_prod(a * 0x1p200, b * 0x1p-200);
+    return sagi_two_prod(a, b);
+}
+
 static inline sagi_dd sagi_dd_from(double a) { return (sagi_dd){a, 0}; }
 static inline sagi_dd sagi_dd_neg(sagi_dd a) { return (sagi_dd){-a.hi, -a.lo}; }
 static inline double sagi_dd_to_double(sagi_dd a) { return a.hi + a.lo; }

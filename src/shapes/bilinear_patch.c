@@ -35,9 +35,7 @@ sag_status sag_bilinear_patch_validate(const sag_bilinear_patch *s, sag_error *e
 
 // The weights are positive and add up to 1: the patch lies within the hull of its corners.
 sag_box3 sag_bilinear_patch_bounds(const sag_bilinear_patch *s) {
-    if (!sagi_triangle_is_finite(&s->p00, &s->p10, &s->p01) ||
-        !sagi_triangle_is_finite(&s->p11, &s->p10, &s->p01))
-        return sag_box3_empty();
+    if (sag_bilinear_patch_validate(s, NULL) != SAG_OK) return sag_box3_empty();
     sag_box3 box = {s->p00, s->p00};
     return sag_box3_extend(sag_box3_extend(sag_box3_extend(box, s->p10), s->p01), s->p11);
 }
@@ -103,13 +101,14 @@ void sag_bilinear_patch_surface(const sag_bilinear_patch *s, const sag_ray *ray,
 }
 
 double sag_bilinear_patch_area(const sag_bilinear_patch *s) {
+    if (sag_bilinear_patch_validate(s, NULL) != SAG_OK) return 0;
     sagi_bilinear_frame f = sagi_bilinear_make_frame(s);
     return sagi_bilinear_area(&f);
 }
 
 bool sag_bilinear_patch_sample(const sag_bilinear_patch *s, sag_vec2 random, sag_surface *surface) {
+    double area = sag_bilinear_patch_area(s);
     sagi_bilinear_frame f = sagi_bilinear_make_frame(s);
-    double area = sagi_bilinear_area(&f);
     if (!(area > 0 && area < INFINITY)) return false;
     sag_vec2 uv = sagi_bilinear_sample(&f, area, random);
     make_surface(s, uv.x, uv.y, surface);

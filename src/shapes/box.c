@@ -114,8 +114,9 @@ sag_box3 sag_box_bounds(const sag_box *box) {
 bool sag_box_hit(const sag_box *box, const sag_ray *ray, sag_hit *hit) {
     slabs s;
     if (!find(box, ray, &s)) return false;
+    bool touch = s.near_t == s.far_t && s.far_face < s.near_face; // of equal t the first in number
     if (sagi_in_range(ray, s.near_t))
-        *hit = sagi_hit_make(s.near_t, 0, 0, s.near_face);
+        *hit = sagi_hit_make(s.near_t, 0, 0, touch ? s.far_face : s.near_face);
     else if (sagi_in_range(ray, s.far_t))
         *hit = sagi_hit_make(s.far_t, 0, 0, s.far_face);
     else
@@ -169,7 +170,9 @@ void sag_box_surface(const sag_box *box, const sag_ray *ray, const sag_hit *hit,
     double face = sag_component(hit->primitive & 1 ? box->max : box->min, axis);
     sagi_cut cut = {{hit->t, 0}, 4 * SAGI_EPSILON * fabs(hit->t)};
     if (d != 0) {
-        cut.t = sagi_dd_div(sagi_two_sum(face, -sag_component(ray->origin, axis)), sagi_dd_from(d));
+        double scale = sagi_power_scale(ray->direction); // so that no product overflows
+        cut.t = sagi_dd_div(sagi_two_sum(face, -sag_component(ray->origin, axis)), sagi_dd_from(d * scale));
+        cut.t.hi *= scale, cut.t.lo *= scale;
         cut.error = 0x1p-98 * fabs(cut.t.hi);
     }
     sagi_point_at(ray, cut, &surface->position, &surface->position_error);
@@ -185,7 +188,7 @@ double sag_box_area(const sag_box *box) {
 }
 
 bool sag_box_sample(const sag_box *box, sag_vec2 random, sag_surface *surface) {
-    if (!is_valid(box)) return false;
+    if (!(sag_box_area(box) > 0)) return false;
     // The first number picks a face by area and is stretched to be used again within it.
     sag_vec3 e = sag_sub(box->max, box->min);
     double areas[3] = {e.y * e.z, e.z * e.x, e.x * e.y};

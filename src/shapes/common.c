@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "shapes/common.h"
 
+static bool comes_after(const sagi_crossing *c, double t, uint32_t primitive) {
+    return c->t > t || (c->t == t && c->primitive > primitive);
+}
+
 void sagi_crossings_add(sagi_crossings *list, double t, double u, double v, uint32_t primitive) {
     if (isnan(t) || list->count == SAGI_MAX_CROSSINGS) return;
     int i = list->count++;
-    for (; i > 0 && list->at[i - 1].t > t; i--) list->at[i] = list->at[i - 1];
+    for (; i > 0 && comes_after(&list->at[i - 1], t, primitive); i--) list->at[i] = list->at[i - 1];
     list->at[i] = (sagi_crossing){t, u, v, primitive};
 }
 

@@ -21,7 +21,8 @@ typedef struct sagi_crossings {
     sagi_crossing at[SAGI_MAX_CROSSINGS];
 } sagi_crossings;
 
-// Inserts a crossing, keeping the order (a new one goes after those of equal t). A NaN t is not inserted.
+// Inserts a crossing, keeping the order: by t, then by primitive, as a scene orders hits; a new one goes
+// after those of equal both. A NaN t is not inserted.
 void sagi_crossings_add(sagi_crossings *list, double t, double u, double v, uint32_t primitive);
 // The verbs hit and crossings, from a list that holds only what is in the ray's range.
 bool sagi_crossings_first(const sagi_crossings *list, sag_hit *hit);
@@ -30,7 +31,10 @@ size_t sagi_crossings_write(const sagi_crossings *list, sag_hit *hits, size_t ca
 // A hit of a shape used alone: no geometry, no instances.
 sag_hit sagi_hit_make(double t, double u, double v, uint32_t primitive);
 
-static inline bool sagi_in_range(const sag_ray *ray, double t) { return t >= ray->t_min && t <= ray->t_max; }
+// A crossing beyond the doubles (t infinite, of a ray whose direction is next to 0) is none.
+static inline bool sagi_in_range(const sag_ray *ray, double t) {
+    return t >= ray->t_min && t <= ray->t_max && !isinf(t);
+}
 
 // The part of `surface` that is the same for every shape, once position, position_error, geometric_normal,
 // dpdu, dpdv, u and v are there: shading normal := geometric normal, side by the ray's direction, primitive

@@ -9,9 +9,7 @@
 // without end goes up or down with the sign of d.z.
 #include "shapes/axial.h"
 
-static bool is_usable(const sag_cone *c) {
-    return c->radius > 0 && c->height > 0 && isfinite(c->radius) && isfinite(c->height);
-}
+static bool is_usable(const sag_cone *c) { return sag_cone_validate(c, NULL) == SAG_OK; }
 
 static void exact(const void *shape, sagi_quadric_exact *q) {
     const double *size = shape; // radius, height

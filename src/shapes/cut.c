@@ -97,7 +97,7 @@ bool sagi_cut_plane(sag_vec3 normal, sag_vec3 point, const sag_ray *ray, sagi_cu
         !cut_exactly(n, point, ray->origin, d, cut))
         return false;
     cut->t.hi *= t_scale, cut->t.lo *= t_scale, cut->error *= t_scale;
-    return sagi_in_range(ray, cut->t.hi) && isfinite(cut->t.hi);
+    return sagi_in_range(ray, cut->t.hi);
 }
 
 int sagi_plane_side(sag_vec3 normal, sag_vec3 point, sag_vec3 p) {
@@ -115,7 +115,8 @@ double sagi_plane_offset(sag_vec3 normal, sag_vec3 point, sag_vec3 p) {
 }
 
 static double coordinate_at(double o, double d, sagi_cut cut, double *error) {
-    sagi_dd step = sagi_dd_mul_double(cut.t, d);
+    sagi_dd step = sagi_two_prod_any(cut.t.hi, d);
+    step = sagi_fast_two_sum(step.hi, step.lo + cut.t.lo * d);
     sagi_dd p = sagi_dd_add_double(step, o);
     *error = 2 * (SAGI_EPSILON * fabs(p.hi) + 0x1p-102 * (fabs(o) + fabs(step.hi)) + fabs(d) * cut.error);
     return p.hi;

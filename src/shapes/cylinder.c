@@ -3,10 +3,7 @@
 // inside for all t or for none, and meets only the caps.
 #include "shapes/axial.h"
 
-static bool is_usable(const sag_cylinder *c) {
-    return c->radius > 0 && isfinite(c->radius) && isfinite(c->z_min) && isfinite(c->z_max) &&
-           c->z_min < c->z_max;
-}
+static bool is_usable(const sag_cylinder *c) { return sag_cylinder_validate(c, NULL) == SAG_OK; }
 
 static void exact(const void *shape, sagi_quadric_exact *q) {
     const double *radius = shape;

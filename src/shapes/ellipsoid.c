@@ -13,10 +13,7 @@
 #include "shapes/stream.h"
 #include "shapes/sweep.h"
 
-static bool is_usable(const sag_ellipsoid *e) {
-    return sag_is_finite(e->center) && sag_is_finite(e->radii) && e->radii.x > 0 && e->radii.y > 0 &&
-           e->radii.z > 0;
-}
+static bool is_usable(const sag_ellipsoid *e) { return sag_ellipsoid_validate(e, NULL) == SAG_OK; }
 
 static void exact(const void *shape, sagi_quadric_exact *q) {
     const sag_vec3 *r = shape;

@@ -12,10 +12,12 @@
 // covered by the other terms' magnitudes, which is what the solver's bounds are relative to.
 #include "shapes/hyperboloid.h"
 
-static bool is_usable(const sag_hyperboloid *h) {
+static bool is_usable(const sag_hyperboloid *h) { return sag_hyperboloid_validate(h, NULL) == SAG_OK; }
+
+static bool has_extent(const sag_hyperboloid *h) {
     bool on_axis = h->p1.x == 0 && h->p1.y == 0 && h->p2.x == 0 && h->p2.y == 0;
     bool same = h->p1.x == h->p2.x && h->p1.y == h->p2.y && h->p1.z == h->p2.z;
-    return sag_is_finite(h->p1) && sag_is_finite(h->p2) && !on_axis && !same;
+    return !on_axis && !same;
 }
 
 static bool is_ring(const sag_hyperboloid *h) { return h->p1.z == h->p2.z; }
@@ -72,7 +74,7 @@ sag_status sag_hyperboloid_validate(const sag_hyperboloid *h, sag_error *error) 
     if (status == SAG_OK) status = sagi_sweep_validate(error, "hyperboloid", h->phi_max_rad);
     if (status == SAG_OK) status = sagi_check_closed(error, "hyperboloid", h->closed, h->phi_max_rad);
     if (status != SAG_OK) return status;
-    if (!is_usable(h))
+    if (!has_extent(h))
         return sagi_invalid3(error, "hyperboloid", "p2", h->p2, "equals p1 or lies on the z axis with it");
     if (h->closed && is_ring(h))
         return sagi_invalid(error, "hyperboloid", "p2.z", h->p2.z,

@@ -17,10 +17,7 @@ static zone upper(const sag_hyperboloid2 *s) { return (zone){fmax(s->z_min, s->c
 static zone lower(const sag_hyperboloid2 *s) { return (zone){s->z_min, fmin(s->z_max, -s->c)}; }
 static bool is_there(zone z) { return z.low < z.high; }
 
-static bool is_usable(const sag_hyperboloid2 *s) {
-    return s->a > 0 && s->c > 0 && isfinite(s->a) && isfinite(s->c) && isfinite(s->z_min) &&
-           isfinite(s->z_max) && (is_there(upper(s)) || is_there(lower(s)));
-}
+static bool is_usable(const sag_hyperboloid2 *s) { return sag_hyperboloid2_validate(s, NULL) == SAG_OK; }
 
 static void exact(const void *shape, sagi_quadric_exact *q) {
     const double *size = shape; // a, c

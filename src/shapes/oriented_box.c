@@ -207,6 +207,7 @@ bool sag_oriented_box_contains(const sag_oriented_box *box, sag_vec3 point) {
 double sag_oriented_box_volume(const sag_oriented_box *box) {
     const sag_vec3 *a = box->half_axes;
     double error;
+    if (sag_oriented_box_validate(box, NULL) != SAG_OK) return 0;
     sagi_dd det = sagi_determinant_dd(sagi_dd3_from(a[0]), sagi_dd3_from(a[1]), sagi_dd3_from(a[2]), &error);
     return isfinite(det.hi) ? 8 * fabs(det.hi) : 0;
 }

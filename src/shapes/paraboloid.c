@@ -8,9 +8,7 @@
 // point has w³ = w₀³ + ξ (w₁³ − w₀³), and z = z₀ + (w² − w₀²)/k.
 #include "shapes/axial.h"
 
-static bool is_usable(const sag_paraboloid *p) {
-    return p->radius > 0 && isfinite(p->radius) && isfinite(p->z_max) && p->z_min >= 0 && p->z_min < p->z_max;
-}
+static bool is_usable(const sag_paraboloid *p) { return sag_paraboloid_validate(p, NULL) == SAG_OK; }
 
 static void exact(const void *shape, sagi_quadric_exact *q) {
     const double *size = shape; // radius, z_max
@@ -103,11 +101,16 @@ void sag_paraboloid_surface(const sag_paraboloid *p, const sag_ray *ray, const s
     sagi_surface_finish(surface, ray, hit);
 }
 
+// w over k/2 for a wide one, over the radius for a tall one, so that nothing over- or underflows.
+static double slant(const sag_paraboloid *p, double z) {
+    double r = p->radius;
+    return r > p->z_max ? sqrt(1 + 4 * (z / r) * (p->z_max / r))
+                        : sqrt(z / p->z_max + r / p->z_max * (r / p->z_max) / 4);
+}
 static double side_area(const sag_paraboloid *p) {
-    double k = p->radius * (p->radius / p->z_max);
-    double w0 = sqrt(k * p->z_min + k * k / 4), w1 = sqrt(k * p->z_max + k * k / 4);
-    return sagi_sweep_end(p->phi_max_rad) * 2 / 3 * (p->z_max - p->z_min) * (w1 * w1 + w1 * w0 + w0 * w0) /
-           (w1 + w0);
+    double r = p->radius, height = p->z_max - p->z_min, w0 = slant(p, p->z_min), w1 = slant(p, p->z_max);
+    double size = r > p->z_max ? height / p->z_max * r * r / 2 : height * r;
+    return sagi_sweep_end(p->phi_max_rad) * 2 / 3 * size * (w1 * w1 + w1 * w0 + w0 * w0) / (w1 + w0);
 }
 
 static double cap_area(const sag_paraboloid *p, double z) {

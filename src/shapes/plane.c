@@ -5,9 +5,16 @@
 #include "shapes/cut.h"
 #include "shapes/validate.h"
 
+// The texture basis is none: parallel vectors, or only one of the two.
+static bool is_flat(const sag_plane *plane) {
+    if (sagi_is_zero3(plane->s) && sagi_is_zero3(plane->t)) return false;
+    return sagi_is_zero3(sag_cross(plane->s, plane->t)) &&
+           sagi_is_zero3(sag_cross(sag_normalize(plane->s), sag_normalize(plane->t)));
+}
+
 static bool is_usable(const sag_plane *plane) {
     return sagi_is_coordinate3(plane->point) && sagi_is_coordinate3(plane->normal) &&
-           sagi_is_coordinate3(plane->s) && sagi_is_coordinate3(plane->t);
+           sagi_is_coordinate3(plane->s) && sagi_is_coordinate3(plane->t) && !is_flat(plane);
 }
 
 static bool find(const sag_plane *plane, const sag_ray *ray, sagi_cut *cut) {
@@ -19,10 +26,9 @@ sag_status sag_plane_validate(const sag_plane *plane, sag_error *error) {
     if (status == SAG_OK) status = sagi_check_direction(error, "plane", "normal", plane->normal);
     if (status == SAG_OK) status = sagi_check_point(error, "plane", "s", plane->s);
     if (status == SAG_OK) status = sagi_check_point(error, "plane", "t", plane->t);
-    if (status != SAG_OK || (sagi_is_zero3(plane->s) && sagi_is_zero3(plane->t))) return status;
-    if (sagi_is_zero3(sag_cross(sag_normalize(plane->s), sag_normalize(plane->t))))
+    if (status == SAG_OK && is_flat(plane))
         return sagi_invalid3(error, "plane", "s", plane->s, "must not be parallel to t");
-    return SAG_OK;
+    return status;
 }
 
 sag_box3 sag_plane_bounds(const sag_plane *plane) {
@@ -57,17 +63,19 @@ void sag_plane_surface(const sag_plane *plane, const sag_ray *ray, const sag_hit
     sagi_clear_plane(plane->point, surface);
     surface->geometric_normal = sag_normalize(plane->normal);
     surface->dpdu = plane->s, surface->dpdv = plane->t;
-    if (sagi_is_zero3(plane->s) && sagi_is_zero3(plane->t))
+    sag_vec3 z = sag_cross(plane->s, plane->t);
+    if (!(sag_dot(z, z) > 0)) { // none given
         sag_frame(surface->geometric_normal, &surface->dpdu, &surface->dpdv);
-    sag_vec3 z = sag_cross(surface->dpdu, surface->dpdv), q = sag_sub(surface->position, plane->point);
+        z = sag_cross(surface->dpdu, surface->dpdv);
+    }
+    sag_vec3 q = sag_sub(surface->position, plane->point);
     surface->u = sag_dot(q, sag_cross(surface->dpdv, z)) / sag_dot(z, z);
     surface->v = sag_dot(q, sag_cross(z, surface->dpdu)) / sag_dot(z, z);
     sagi_surface_finish(surface, ray, hit);
 }
 
 double sag_plane_area(const sag_plane *plane) {
-    (void)plane;
-    return INFINITY;
+    return sag_plane_validate(plane, NULL) == SAG_OK ? INFINITY : 0;
 }
 
 bool sag_plane_sample(const sag_plane *plane, sag_vec2 random, sag_surface *surface) {
@@ -76,13 +84,11 @@ bool sag_plane_sample(const sag_plane *plane, sag_vec2 random, sag_surface *surf
 }
 
 bool sag_plane_contains(const sag_plane *plane, sag_vec3 point) {
-    return sag_is_finite(point) && sagi_plane_side(plane->normal, plane->point, point) <= 0;
+    return sag_is_finite(point) && sag_plane_validate(plane, NULL) == SAG_OK &&
+           sagi_plane_side(plane->normal, plane->point, point) <= 0;
 }
 
-double sag_plane_volume(const sag_plane *plane) {
-    (void)plane;
-    return INFINITY;
-}
+double sag_plane_volume(const sag_plane *plane) { return sag_plane_area(plane); }
 
 sag_vec3 sag_plane_closest_point(const sag_plane *plane, sag_vec3 point) {
     sag_vec3 n = sag_scale(plane->normal, sagi_power_scale(plane->normal));

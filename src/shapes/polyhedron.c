@@ -19,7 +19,8 @@ static void quick(const void *solid, const sag_ray *ray, uint32_t face, sagi_cli
     out->num_error = 5 * SAGI_EPSILON * (fabs(h->offset) + sag_dot(n, sag_abs(ray->origin)));
     out->den = sag_dot(h->normal, ray->direction);
     out->den_error = 4 * SAGI_EPSILON * sag_dot(n, sag_abs(ray->direction));
-    if (sagi_is_zero3(h->normal)) out->num = NAN; // not a half-space: nothing is inside
+    if (sagi_is_zero3(h->normal) || !sagi_is_coordinate3(h->normal) || !sagi_is_coordinate(h->offset))
+        out->num = NAN; // not a half-space: nothing is inside
 }
 
 static void accurate(const void *solid, const sag_ray *ray, uint32_t face, sagi_clip_dd *out) {

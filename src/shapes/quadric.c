@@ -8,14 +8,12 @@
 #include <limits.h>
 #include <string.h>
 
-static bool is_usable(const sag_quadric *s) {
-    bool surface = false;
-    for (int i = 0; i < 10; i++) {
-        if (!isfinite(s->coefficients[i])) return false;
-        surface = surface || (i < 9 && s->coefficients[i] != 0);
-    }
-    return surface && sag_is_finite(s->clip.min) && sag_is_finite(s->clip.max) &&
-           !sag_box3_is_empty(&s->clip);
+static bool is_usable(const sag_quadric *s) { return sag_quadric_validate(s, NULL) == SAG_OK; }
+
+static bool has_surface(const sag_quadric *s) {
+    for (int i = 0; i < 9; i++)
+        if (s->coefficients[i] != 0) return true;
+    return false;
 }
 
 static void exact(const void *shape, sagi_quadric_exact *q) {
@@ -71,7 +69,7 @@ sag_status sag_quadric_validate(const sag_quadric *s, sag_error *error) {
     if (sag_box3_is_empty(&s->clip))
         return sagi_invalid3(error, "quadric", "clip.max", s->clip.max,
                              "is below clip.min: the box is empty");
-    if (is_usable(s)) return SAG_OK;
+    if (has_surface(s)) return SAG_OK;
     return sagi_invalid(error, "quadric", "coefficients[0]", s->coefficients[0],
                         "and the eight after it are all 0: there is no surface");
 }
@@ -145,7 +143,10 @@ void sag_quadric_surface(const sag_quadric *s, const sag_ray *ray, const sag_hit
     sagi_surface_finish(surface, ray, hit);
 }
 
-double sag_quadric_area(const sag_quadric *s) { return is_usable(s) ? sagi_quadric_area(s) : 0; }
+double sag_quadric_area(const sag_quadric *s) {
+    double area = is_usable(s) ? sagi_quadric_area(s) : 0;
+    return area > 0 ? area : 0; // NaN: the numbers are beyond the integration
+}
 
 bool sag_quadric_sample(const sag_quadric *s, sag_vec2 random, sag_surface *surface) {
     sag_vec3 point;

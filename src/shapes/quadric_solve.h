@@ -53,7 +53,7 @@ int sagi_size_exponent(double size);
 
 // The point origin + t·direction − center in double-double, exact to 3·2⁻¹⁰⁶.
 static inline sagi_dd sagi_ray_coordinate(double origin, double center, double t, double direction) {
-    return sagi_dd_add(sagi_two_sum(origin, -center), sagi_two_prod(t, direction));
+    return sagi_dd_add(sagi_two_sum(origin, -center), sagi_two_prod_any(t, direction));
 }
 
 #endif

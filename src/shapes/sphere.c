@@ -19,9 +19,7 @@ static double top(const sag_sphere *s) {
     return is_clipped(s) && s->z_max < s->radius ? s->z_max : s->radius;
 }
 
-static bool is_usable(const sag_sphere *s) {
-    return s->radius > 0 && isfinite(s->radius) && sag_is_finite(s->center) && bottom(s) < top(s);
-}
+static bool is_usable(const sag_sphere *s) { return sag_sphere_validate(s, NULL) == SAG_OK; }
 
 sag_status sag_sphere_validate(const sag_sphere *s, sag_error *error) {
     sag_status status = sagi_check_point(error, "sphere", "center", s->center);

@@ -73,7 +73,10 @@ static bool is_inner(const sag_torus *torus, double rho, double z) {
 // Normal, texture coordinates and derivatives from the directions: (c, s) of φ, and (cos ψ, sin ψ) by (a, b).
 static void finish(const sag_torus *torus, double c, double s, double a, double b, sag_surface *surface) {
     double length = hypot(a, b);
-    a /= length, b /= length;
+    if (length > 0)
+        a /= length, b /= length;
+    else // where a horn torus' tube closes on the axis: its inner side
+        a = -1, b = 0;
     surface->geometric_normal = sag_normalize((sag_vec3){a * c, a * s, b});
     surface->u = sagi_sweep_angle(c, s) / SAGI_TWO_PI;
     surface->v = sagi_sweep_angle(a, b) / SAGI_TWO_PI;

@@ -252,7 +252,10 @@ static sagi_cut cut_at(const local *l, sagi_real s) {
     return cut;
 }
 
-static bool is_kept(const local *l, double t) { return t >= l->t_min && t <= l->t_max; }
+// In range, and not beyond the doubles in the ray's own units.
+static bool is_kept(const local *l, double t) {
+    return t >= l->t_min && t <= l->t_max && isfinite(ldexp(t, l->exponent));
+}
 
 static int solve_exactly(const local *l, int most, sagi_cut cuts[4]) {
     sagi_real c[5], roots[4];
@@ -296,12 +299,9 @@ static void scale_back(sagi_cut *cut, int exponent) {
 int sagi_torus_crossings(const sag_torus *torus, const sag_ray *ray, int most, sagi_cut cuts[4]) {
     local l;
     if (!localise(torus, ray, &l)) return 0;
-    int count = solve(&l, most, cuts), kept = 0;
-    for (int i = 0; i < count; i++) {
-        scale_back(&cuts[i], l.exponent);
-        if (isfinite(cuts[i].t.hi)) cuts[kept++] = cuts[i];
-    }
-    return kept;
+    int count = solve(&l, most, cuts);
+    for (int i = 0; i < count; i++) scale_back(&cuts[i], l.exponent);
+    return count;
 }
 
 sagi_cut sagi_torus_refine(const sag_torus *torus, const sag_ray *ray, double t) {

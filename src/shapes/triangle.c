@@ -114,7 +114,7 @@ sag_status sag_triangle_validate(const sag_triangle *s, sag_error *error) {
 }
 
 sag_box3 sag_triangle_bounds(const sag_triangle *s) {
-    if (!sagi_triangle_is_finite(&s->a, &s->b, &s->c)) return sag_box3_empty();
+    if (sag_triangle_validate(s, NULL) != SAG_OK) return sag_box3_empty();
     sag_box3 box = {s->a, s->a};
     return sag_box3_extend(sag_box3_extend(box, s->b), s->c);
 }
@@ -148,6 +148,7 @@ void sag_triangle_surface(const sag_triangle *s, const sag_ray *ray, const sag_h
 
 double sag_triangle_area(const sag_triangle *s) {
     sag_vec3 unit;
+    if (sag_triangle_validate(s, NULL) != SAG_OK) return 0;
     return 0.5 * sagi_triangle_normal(&s->a, &s->b, &s->c, &unit);
 }
 
