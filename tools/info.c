@@ -245,7 +245,7 @@ static void add_platform(cJSON *json, const sag_context *context) {
 
 static cJSON *mesh_to_json(const mesh_info *m) {
     cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "name", m->name);
+    json_add_text(json, "name", m->name);
     add_number(json, "triangles", m->report.triangle_count);
     add_number(json, "vertices", m->vertex_count);
     cJSON_AddBoolToObject(json, "double_precision", m->is_double);
@@ -273,7 +273,7 @@ static int print_json(cJSON *json) {
 static int info_to_json(const info *n) {
     const sag_scene_stats *s = &n->stats;
     cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "file", n->file);
+    json_add_text(json, "file", n->file);
     add_platform(json, n->context);
     add_number(json, "load_seconds", n->load_seconds);
     add_number(json, "build_seconds", s->build_seconds);

@@ -123,8 +123,7 @@ static sag_status write_stats(const render_options *o, sag_world *world, const s
     };
     cJSON *json = cJSON_CreateObject();
     bool good = cJSON_AddStringToObject(json, "version", SAG_VERSION) &&
-                cJSON_AddStringToObject(json, "file", o->file) &&
-                cJSON_AddStringToObject(json, "output", output) &&
+                json_add_text(json, "file", o->file) && json_add_text(json, "output", output) &&
                 cJSON_AddStringToObject(json, "isa", sag_context_isa(context));
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && good; i++) {
         good = cJSON_AddNumberToObject(json, numbers[i].name, numbers[i].value) != NULL;

@@ -20,9 +20,9 @@ volatile sig_atomic_t interrupt_flag;
 // The log callback's own count; the program has one context.
 static unsigned warning_count;
 
-// How many bytes of a well-formed UTF-8 character that may be shown begin at p; 0 for anything else.
-static int shown_bytes(const unsigned char *p) {
-    if (p[0] < 0x80) return p[0] >= 0x20 && p[0] != 0x7F;
+// How many bytes the well-formed UTF-8 character at p has; 0 when there is none.
+static int character_bytes(const unsigned char *p) {
+    if (p[0] < 0x80) return 1;
     const int length = p[0] >= 0xC2 && p[0] < 0xE0   ? 2
                        : p[0] >= 0xE0 && p[0] < 0xF0 ? 3
                        : p[0] >= 0xF0 && p[0] < 0xF5 ? 4
@@ -30,7 +30,16 @@ static int shown_bytes(const unsigned char *p) {
     for (int i = 1; i < length; i++) {
         if (p[i] >> 6 != 2) return 0;
     }
-    return p[0] == 0xC2 && p[1] < 0xA0 ? 0 : length; // U+0080 … U+009F steer terminals
+    // Too long for what they say, surrogates, and beyond U+10FFFF.
+    if ((p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xED && p[1] >= 0xA0)) return 0;
+    if ((p[0] == 0xF0 && p[1] < 0x90) || (p[0] == 0xF4 && p[1] >= 0x90)) return 0;
+    return length;
+}
+
+// The same of one that may be shown; 0 for one that would steer the terminal.
+static int shown_bytes(const unsigned char *p) {
+    if (p[0] < 0x20 || p[0] == 0x7F || (p[0] == 0xC2 && p[1] < 0xA0)) return 0;
+    return character_bytes(p);
 }
 
 // Writes a message that may quote a file's bytes: what would upset a terminal becomes a question mark.
@@ -45,6 +54,22 @@ static void print_clean(const char *text) {
         }
         p += length > 0 ? length : 1;
     }
+}
+
+bool json_add_text(cJSON *object, const char *name, const char *text) {
+    static const char replacement[] = "\xEF\xBF\xBD"; // U+FFFD
+    char *clean = malloc(3 * strlen(text) + 1), *end = clean;
+    if (!clean) return false;
+    for (const unsigned char *p = (const unsigned char *)text; *p;) {
+        const int length = character_bytes(p);
+        memcpy(end, length > 0 ? (const char *)p : replacement, length > 0 ? (size_t)length : 3);
+        end += length > 0 ? length : 3;
+        p += length > 0 ? length : 1;
+    }
+    *end = '\0';
+    const bool good = cJSON_AddStringToObject(object, name, clean) != NULL;
+    free(clean);
+    return good;
 }
 
 static void log_message(void *user, sag_log_level level, const char *message) {

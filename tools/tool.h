@@ -4,6 +4,7 @@
 #ifndef SAGITTA_TOOL_H
 #define SAGITTA_TOOL_H
 
+#include <cjson/cJSON.h>
 #include <sagitta/render.h>
 #include <signal.h>
 #include <stdio.h>
@@ -96,6 +97,10 @@ extern volatile sig_atomic_t interrupt_flag;
 
 // Whether standard output took everything; says so when not.
 int close_stdout(void);
+
+// Adds a text to a JSON object, with U+FFFD for bytes that are no UTF-8: names of files and meshes may be
+// anything, JSON may not. False when memory is short.
+bool json_add_text(cJSON *object, const char *name, const char *text);
 
 double clock_seconds(void);
 // The most memory the process ever had, in bytes.

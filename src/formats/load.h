@@ -31,6 +31,9 @@ typedef struct sagi_mesh_data {
 void sagi_mesh_data_clear(sagi_mesh_data *mesh);
 // As the scene takes it.
 sag_mesh sagi_mesh_data_view(const sagi_mesh_data *mesh);
+// How many triangles have a vertex that is NaN, infinite or beyond SAG_MAX_COORDINATE: the scene leaves them
+// out.
+uint32_t sagi_mesh_data_not_finite(const sagi_mesh_data *mesh);
 // Adds a triangle; false when memory is short (or there are 2³² of them).
 bool sagi_mesh_data_add(sagi_mesh_data *mesh, uint32_t a, uint32_t b, uint32_t c);
 

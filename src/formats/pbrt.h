@@ -103,8 +103,6 @@ void sagi_pbrt_ignore(sagi_pbrt *p, const char *name, const char *reason);
 sag_status sagi_pbrt_string(sagi_pbrt *p, sagi_place after, char *text, size_t size);
 // A file named by a parameter, relative to the scene's directory.
 void sagi_pbrt_path(const sagi_pbrt *p, const char *name, char path[SAGI_MAX_PATH]);
-// A failure of something in another file: keeps its place; one without a place gets that of the directive.
-sag_status sagi_pbrt_place_failure(sagi_pbrt *p, sag_status status);
 
 // Colours and numbers that may be textures (pbrt_look).
 sag_rgb sagi_pbrt_rgb(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise);

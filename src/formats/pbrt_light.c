@@ -88,8 +88,14 @@ static sag_status infinite_light(sagi_pbrt *p, sagi_place place, double scale) {
     sag_status status = params->status;
     if (status != SAG_OK) return status;
     sagi_pbrt_path(p, name, path);
-    status = sag_image_read(p->context, path, SAG_ENCODING_DEFAULT, &light.image, p->error);
-    if (status != SAG_OK) return sagi_pbrt_place_failure(p, status);
+    sag_error reason;
+    status = sag_image_read(p->context, path, SAG_ENCODING_DEFAULT, &light.image, &reason);
+    if (status != SAG_OK) {
+        sagi_params_fail(params, sagi_params_find(params, "filename", ~0u), "%.200s: %.180s", path,
+                         reason.message);
+        p->error->status = status;
+        return params->status = status;
+    }
     if (light.image.width != light.image.height) {
         const sag_status wrong =
             sagi_params_fail(params, sagi_params_find(params, "filename", ~0u),

@@ -57,17 +57,6 @@ bool sagi_pbrt_reserve(sagi_pbrt *p, void **items, size_t *allocated, size_t cou
     return true;
 }
 
-sag_status sagi_pbrt_place_failure(sagi_pbrt *p, sag_status status) {
-    if (status == SAG_OK || !p->error) return status;
-    char message[sizeof p->error->message];
-    snprintf(message, sizeof message, "%s", p->error->message);
-    if (!p->error->file[0]) {
-        sagi_place_error(p->params.place, p->error, "%s: %s", p->params.what, message);
-        p->error->status = status;
-    }
-    return status;
-}
-
 // ---- parameters
 
 sag_status sagi_pbrt_parameters(sagi_pbrt *p, sagi_place place, sagi_target target, const char *format, ...) {
@@ -97,10 +86,16 @@ sag_status sagi_pbrt_parameters_done(sagi_pbrt *p) {
     for (size_t i = 0; i < params->count; i++) {
         const sagi_param *param = &params->items[i];
         if (param->used) continue;
+        bool again = false;
+        for (size_t k = 0; k < i && !again; k++)
+            again = params->items[k].used && params->items[k].name.length == param->name.length &&
+                    memcmp(params->items[k].name.text, param->name.text, param->name.length) == 0;
         char key[256];
         snprintf(key, sizeof key, "%s %.*s", params->what, (int)param->name.length, param->name.text);
-        sagi_pbrt_warn_once(p, param->place, key, "%s: unknown parameter \"%.*s\"", params->what,
-                            (int)param->name.length, param->name.text);
+        sagi_pbrt_warn_once(p, param->place, key,
+                            again ? "%s: \"%.*s\" is given again: the first one counts"
+                                  : "%s: unknown parameter \"%.*s\"",
+                            params->what, (int)param->name.length, param->name.text);
     }
     return SAG_OK;
 }
@@ -163,8 +158,10 @@ static sag_status open_source(sagi_pbrt *p, const char *path, sagi_source **open
 
 static void enter(sagi_pbrt *p, const sagi_source *source, bool is_import) {
     const char *text = (const char *)source->file.bytes;
+    if (source->file.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) text += 3; // a byte order mark
     p->is_import[p->file_count] = is_import;
-    p->files[p->file_count++] = (sagi_cursor){source, text, text + source->file.size};
+    p->files[p->file_count++] =
+        (sagi_cursor){source, text, (const char *)source->file.bytes + source->file.size};
 }
 
 static sag_status include(sagi_pbrt *p, sagi_place place, bool is_import) {
@@ -201,11 +198,28 @@ static sag_status import_directive(sagi_pbrt *p, sagi_place place) { return incl
 
 // ---- directives without effect
 
+// A name, with or without a type before it, and one value: Option "seed" 3
 static sag_status option_directive(sagi_pbrt *p, sagi_place place) {
-    const sag_status status = sagi_pbrt_parameters(p, place, SAGI_TARGET_NONE, "Option");
-    for (size_t i = 0; i < p->params.count; i++) p->params.items[i].used = true;
-    if (status == SAG_OK) sagi_pbrt_warn_once(p, place, "Option", "Option has no effect");
-    return status;
+    char name[256];
+    sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
+    if (status != SAG_OK) return status;
+    sagi_cursor *cursor = &p->files[p->file_count - 1];
+    sagi_token token;
+    status = sagi_cursor_next(cursor, &token, p->error);
+    if (status != SAG_OK) return status;
+    if (token.kind == SAGI_TOKEN_OPEN) {
+        sagi_token close;
+        status = sagi_cursor_next(cursor, &token, p->error);
+        if (status == SAG_OK) status = sagi_cursor_next(cursor, &close, p->error);
+        if (status != SAG_OK) return status;
+        if (close.kind != SAGI_TOKEN_CLOSE)
+            return sagi_place_error(close.place, p->error, "] expected: Option \"%.60s\" has one value",
+                                    name);
+    }
+    if (token.kind != SAGI_TOKEN_WORD && token.kind != SAGI_TOKEN_STRING)
+        return sagi_place_error(token.place, p->error, "Option \"%.60s\" has no value", name);
+    sagi_pbrt_warn(p, place, "Option \"%.60s\" has no effect", name);
+    return SAG_OK;
 }
 
 // A name and parameters, all without effect.

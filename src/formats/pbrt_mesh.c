@@ -32,7 +32,13 @@ static double placed_area(const sagi_pbrt *p, const sagi_mesh_data *mesh) {
 // Tells the listener, adds, and frees.
 static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *name) {
     const sag_mesh mesh = sagi_mesh_data_view(data);
+    const uint32_t dropped = p->options->on_mesh ? 0 : sagi_mesh_data_not_finite(data);
     if (p->options->on_mesh) p->options->on_mesh(p->options->user, name, &mesh);
+    if (dropped)
+        sagi_pbrt_warn(
+            p, p->params.place,
+            "%s: triangles with a vertex that is NaN, infinite or beyond 2^100 are left out: %u of %u",
+            p->params.what, dropped, data->triangle_count);
     const double area = p->state.area_light.power > 0 ? placed_area(p, data) : 0;
     const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, area, &p->state.ctm);
     sagi_mesh_data_clear(data);

@@ -41,7 +41,13 @@ sag_status sagi_import_add(sag_world *world, const sagi_load_options *options, s
                            sagi_mesh_data *data, const char *name, const sag_appearance *look,
                            const sag_affine *placed, sag_box3 *bounds, sag_error *error) {
     sag_mesh mesh = sagi_mesh_data_view(data);
+    const uint32_t dropped = options->on_mesh ? 0 : sagi_mesh_data_not_finite(data);
     if (options->on_mesh) options->on_mesh(options->user, name, &mesh);
+    if (dropped)
+        sag_context_log(data->context, SAG_LOG_WARNING,
+                        "%s: warning: triangles with a vertex that is NaN, infinite or beyond 2^100 are left "
+                        "out: %u of %u",
+                        name, dropped, data->triangle_count);
     if (!options->geometry_only && !data->normals) {
         data->normals = sag_allocate(data->context, 3 * (size_t)data->vertex_count * sizeof(float));
         if (!data->normals)

@@ -40,6 +40,11 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = clock_seconds() - start;
+    const bool needs_light = render->settings.integrator == SAG_INTEGRATOR_PATH ||
+                             render->settings.integrator == SAG_INTEGRATOR_DIRECT;
+    if (needs_light && render->lights.light_count + render->lights.area_count == 0)
+        sag_context_log(world->context, SAG_LOG_WARNING,
+                        "there is no light in the scene: the picture is black");
 
     const sag_film *film = &render->settings.film;
     status = sagi_camera_init(&render->camera, &render->settings.camera, film->width, film->height, error);
@@ -57,7 +62,9 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     size_t tile_bytes = (size_t)render->tiles_x * render->tiles_y * sizeof *render->tile_done;
     render->pixels = sag_allocate(render->context, pixel_bytes);
     render->tile_done = sag_allocate(render->context, tile_bytes);
-    if (!render->pixels || !render->tile_done) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
+    if (!render->pixels || !render->tile_done)
+        return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels",
+                             (unsigned)render->width, (unsigned)render->height);
     memset(render->pixels, 0, pixel_bytes);
     memset(render->tile_done, 0, tile_bytes);
     return SAG_OK;

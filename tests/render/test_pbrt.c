@@ -467,6 +467,29 @@ static void test_errors_have_their_place(void **state) {
     fails(W "\x01\x02\x03", 2, 1, "no text");
 }
 
+// As other programs and pbrt itself write: a byte order mark, Option with a plain name. What is given twice,
+// or dropped, is named.
+static void test_marks_options_and_repetitions(void **state) {
+    (void)state;
+    sag_world_destroy(
+        load_good("\xef\xbb\xbfOption \"seed\" 3\nOption \"bool disablepixeljitter\" [ true ]\n" W
+                  "Shape \"sphere\" \"float radius\" 2 \"float radius\" 1"));
+    assert_int_equal(warning_count, 3);
+    assert_non_null(strstr(warnings, "scene.pbrt:1:4: warning: Option \"seed\" has no effect"));
+    assert_non_null(
+        strstr(warnings, ":4:33: warning: Shape \"sphere\": \"radius\" is given again: the first one"));
+    fails("Option \"seed\"", 1, 14, "no value");
+    fails("Option \"seed\" [3 4]", 1, 18, "] expected");
+    fails(W "LightSource \"infinite\" \"string filename\" \"nowhere.exr\"", 2, 24,
+          "nowhere.exr: cannot read");
+    sag_world_destroy(load_good(W "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 0 nan 0 1e31 0 0] "
+                                  "\"integer indices\" [0 1 2 0 1 3 0 1 4]"));
+    assert_int_equal(warning_count, 1);
+    assert_non_null(
+        strstr(warnings, ":2:1: warning: Shape \"trianglemesh\": triangles with a vertex that is NaN"));
+    assert_non_null(strstr(warnings, "2 of 3"));
+}
+
 static void test_included_files(void **state) {
     (void)state;
     const char *part = "Translate 0 0 5\nShape \"sphere\"\n", *bad = "\n  Oops\n", *open = "AttributeBegin\n";
@@ -812,6 +835,7 @@ int main(void) {
         cmocka_unit_test(test_lights_and_materials),
         cmocka_unit_test(test_colors),
         cmocka_unit_test(test_errors_have_their_place),
+        cmocka_unit_test(test_marks_options_and_repetitions),
         cmocka_unit_test(test_included_files),
         cmocka_unit_test(test_deep_nesting),
         cmocka_unit_test(test_ply),

@@ -70,7 +70,9 @@ expect 0 info nan.ply
 has out '2 triangles with a vertex that is NaN'
 has out 'y  *-1 to 0 '
 expect 0 render nan.ply --spp 1 --size 8x8 -o nan.png
+has err '^nan.ply: warning: triangles with a vertex that is NaN.*: 2 of 3$'
 expect 0 cast nan.ply --rays rays.csv
+has err '^nan.ply: warning: triangles with a vertex that is NaN.*: 2 of 3$'
 rm -f nan.png
 
 # Rays.

@@ -29,6 +29,13 @@ json.load(open('out'))
 END
 fi
 
+# A name that is no UTF-8 still gives JSON.
+bad=$(printf 'm\377.obj')
+cp cube.obj "$bad"
+expect 0 info "$bad" --json
+has out "\"file\":.*m$(printf '\357\277\275').obj"
+rm "$bad"
+
 make_scene scene.pbrt
 expect 0 info scene.pbrt
 has out 'sphere'

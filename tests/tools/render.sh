@@ -41,6 +41,14 @@ has stats.json '"camera_samples":.*400,'
 has stats.json '"width":.*20,'
 grep -q "$(printf '\r')" err && fail "a progress bar in a file"
 
+# A scene without a light is black, and says why.
+printf 'WorldBegin\nShape "sphere"\n' >dark.pbrt
+expect 0 render dark.pbrt --spp 1 --size 8x8 -o dark.png
+has err 'warning: there is no light in the scene'
+expect 0 render dark.pbrt --spp 1 --size 8x8 -o dark.png --integrator normal
+grep -q 'no light' err && fail "light is asked for by the normal integrator"
+rm dark.pbrt dark.png
+
 # A name that begins with a dash, and one in a directory.
 cp cube.obj ./-cube.obj
 mkdir pictures
