@@ -127,7 +127,8 @@ SAG_API const char *sag_shape_kind_name(sag_shape_kind kind);
 
 /// A ray that starts outside the surface's position error, on the side the direction points to, so that it
 /// does not meet the surface it leaves again: t ∈ [0, ∞), mask 0. The origin is moved along the geometric
-/// normal by no more than the error bound asks for and then rounded outward; there is no constant in it. (PBR
+/// normal by no more than the error bound asks for and then rounded outward; there is no constant in it but
+/// 2^-500, the least step from a coordinate that is exactly 0. (tests/unit/test_spawn.c; PBR
 /// 4th ed. §6.8.6; docs/numerics.md.)
 SAG_API sag_ray sag_spawn_ray(const sag_surface *surface, sag_vec3 direction);
 

@@ -17,6 +17,11 @@
 // Adding δn to p rounds each coordinate to nearest, by at most half an ulp, and perhaps towards the surface;
 // stepping it to the next double away from the surface makes up for that. The step is taken also where δn is
 // too small to change p, so a ray never starts exactly on a surface whose position happens to be exact.
+//
+// A coordinate that is exactly 0 with error 0 (the floor y = 0 hit from within the floor) is the one place
+// where a step can be too small to be seen: from the next double after 0, 5e-324, t underflows to 0, and a
+// transform takes it back to 0. δ is therefore at least 2⁻⁵⁰⁰: 150 orders of magnitude above underflow and
+// as many below a rounding of anything else.
 #include "shapes/common.h"
 
 static double step_away(double position, double normal, double distance) {
@@ -29,7 +34,7 @@ static double step_away(double position, double normal, double distance) {
 // The point off the surface on the side that `direction` points to.
 static sag_vec3 offset(const sag_surface *surface, sag_vec3 direction) {
     sag_vec3 n = surface->geometric_normal;
-    double distance = sag_dot(sag_abs(n), surface->position_error) * (1 + 0x1p-50);
+    double distance = fmax(sag_dot(sag_abs(n), surface->position_error) * (1 + 0x1p-50), 0x1p-500);
     if (sag_dot(direction, n) < 0) n = sag_neg(n);
     return sag_vec3_make(step_away(surface->position.x, n.x, distance),
                          step_away(surface->position.y, n.y, distance),
