@@ -110,7 +110,8 @@ typedef struct sag_context_options {
 typedef struct sag_context sag_context;
 
 /// Makes a context; `options` may be NULL (the defaults). NULL when memory or threads are not to be had or
-/// `isa` names no instruction set this machine has. Threads start at the first parallel call, not here.
+/// `isa` (or the environment's SAG_ISA) names no instruction set that this machine and this library have.
+/// Threads start at the first parallel call, not here.
 SAG_API sag_context *sag_context_create(const sag_context_options *options);
 
 /// Stops the threads and frees the context. Everything made from it must be gone. NULL does nothing.

@@ -144,7 +144,8 @@ typedef struct sag_closest {
 SAG_API bool sag_closest_point(const sag_scene *scene, sag_vec3 point, double max_distance,
                                sag_closest *closest);
 
-/// Everything about a hit of this very ray: fills *surface in the scene's space.
+/// Everything about a hit of this very ray: fills *surface in the scene's space. For a hit that names what
+/// the scene does not have (any more), all of it is 0 and geometry SAG_INVALID_ID (tests/unit/test_scene.c).
 SAG_API void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit,
                             sag_surface *surface);
 

@@ -65,6 +65,14 @@ static void surface_here(const sagi_snapshot *s, const sag_ray *ray, const sag_h
     }
 }
 
+// Whether the hit names something that is there: it may be from before a commit.
+static bool has(const sagi_snapshot *s, const sag_hit *hit) {
+    if (hit->geometry >= s->count || s->items[hit->geometry].shape == NULL) return false;
+    uint8_t kind = s->items[hit->geometry].kind;
+    bool many = kind == SAG_SHAPE_MESH || kind == SAG_SHAPE_SPHERES || kind == SAG_SHAPE_USER;
+    return !many || hit->primitive < sagi_primitive_count(s, hit->geometry);
+}
+
 void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
     const sagi_place *places[SAG_MAX_INSTANCE_DEPTH];
@@ -79,7 +87,7 @@ void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *h
         if (places[i] != NULL) here = sag_ray_transform(&places[i]->to_object, &here);
         s = s->entries[id].child;
     }
-    if (hit->geometry >= s->count || s->items[hit->geometry].shape == NULL) return;
+    if (!has(s, hit)) return;
     surface_here(s, &here, hit, surface);
     for (uint32_t i = depth; i-- > 0;)
         if (places[i] != NULL) sagi_surface_map(places[i], surface);

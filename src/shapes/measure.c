@@ -48,7 +48,7 @@ static double quotient(scaled a, scaled b) {
 
 bool sag_barycentric_1d(double p, double a, double b, double weights[2]) {
     double length = b - a;
-    if (!(length < 0 || length > 0)) return false;
+    if (!isfinite(length) || length == 0 || !isfinite(p)) return false;
     weights[0] = (b - p) / length;
     weights[1] = (p - a) / length;
     return true;
@@ -56,7 +56,7 @@ bool sag_barycentric_1d(double p, double a, double b, double weights[2]) {
 
 bool sag_barycentric_2d(sag_vec2 p, sag_vec2 a, sag_vec2 b, sag_vec2 c, double weights[3]) {
     scaled whole = area_2d(a, b, c);
-    if (!(whole.value < 0 || whole.value > 0)) return false;
+    if (!(whole.value < 0 || whole.value > 0) || !isfinite(p.x) || !isfinite(p.y)) return false;
     weights[0] = quotient(area_2d(p, b, c), whole);
     weights[1] = quotient(area_2d(a, p, c), whole);
     weights[2] = quotient(area_2d(a, b, p), whole);

@@ -157,7 +157,7 @@ void sag_polyhedron_surface(const sag_polyhedron *polyhedron, const sag_ray *ray
         if (span.leave_face == hit->primitive) cut = span.leave;
     }
     sagi_point_at(ray, cut, &surface->position, &surface->position_error);
-    finish_face(polyhedron, hit->primitive, surface);
+    finish_face(polyhedron, hit->primitive % polyhedron->plane_count, surface);
     sagi_surface_finish(surface, ray, hit);
 }
 

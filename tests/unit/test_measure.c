@@ -67,6 +67,9 @@ static void test_barycentric(void **state) {
     double w[3] = {7, 7, 7};
     assert_true(sag_barycentric_1d(1, 0, 4, w) && w[0] == 0.75 && w[1] == 0.25);
     assert_false(sag_barycentric_1d(1, 4, 4, w));
+    assert_false(sag_barycentric_1d(NAN, 0, 4, w) || sag_barycentric_1d(1, -INFINITY, 4, w));
+    assert_false(
+        sag_barycentric_2d((sag_vec2){NAN, 1}, (sag_vec2){0, 0}, (sag_vec2){4, 0}, (sag_vec2){0, 2}, w));
     assert_true(
         sag_barycentric_2d((sag_vec2){1, 1}, (sag_vec2){0, 0}, (sag_vec2){4, 0}, (sag_vec2){0, 2}, w));
     assert_true(w[0] == 0.25 && w[1] == 0.25 && w[2] == 0.5);

@@ -36,6 +36,33 @@ static uint32_t first_along_x(const sag_scene *scene, uint32_t mask) {
     return sag_intersect(scene, &ray, &hit) ? hit.geometry : SAG_INVALID_ID;
 }
 
+// A hit may outlive what it names, or come from a file: surface_at read beyond the arrays.
+static void hits_of_what_is_not_there_have_no_surface(void **state) {
+    (void)state;
+    static const sag_half_space slab[2] = {{{1, 0, 0}, 1}, {{-1, 0, 0}, 1}};
+    static const float center[3] = {0, 0, 0};
+    static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const uint32_t triangle[3] = {0, 1, 2};
+    sag_scene *scene = sag_scene_create(context);
+    sag_add_spheres(scene, &(sag_spheres){.centers_f32 = center, .radius = 1, .count = 1});
+    sag_add_mesh(
+        scene,
+        &(sag_mesh){.positions_f32 = corners, .triangles = triangle, .vertex_count = 3, .triangle_count = 1});
+    sag_add_polyhedron(scene, &(sag_polyhedron){slab, 2});
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    sag_ray ray = sag_ray_make(sag_vec3_make(-5, 0, 0), sag_vec3_make(1, 0, 0));
+    for (uint32_t geometry = 0; geometry < 4; geometry++) {
+        sag_surface s;
+        sag_hit hit = {.t = 4, .primitive = 1000000, .geometry = geometry};
+        sag_surface_at(scene, &ray, &hit, &s);
+        if (geometry != 2) assert_int_equal(s.geometry, SAG_INVALID_ID);
+        hit.instance_depth = geometry == 0 ? 1000000 : 1;
+        sag_surface_at(scene, &ray, &hit, &s);
+        assert_int_equal(s.geometry, SAG_INVALID_ID);
+    }
+    sag_scene_destroy(scene);
+}
+
 static void empty_and_uncommitted(void **state) {
     (void)state;
     sag_scene *scene = sag_scene_create(context);
@@ -417,6 +444,7 @@ int main(void) {
         cmocka_unit_test(uncommitted_child),
         cmocka_unit_test(surface_extras),
         cmocka_unit_test(threads_and_batches),
+        cmocka_unit_test(hits_of_what_is_not_there_have_no_surface),
         cmocka_unit_test(many_threads),
         cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(stats),

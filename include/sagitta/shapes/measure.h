@@ -26,7 +26,7 @@ typedef struct sag_closest_approach {
 SAG_API bool sag_ray_ray_closest(const sag_ray *a, const sag_ray *b, sag_closest_approach *result);
 
 /// One dimension: the weights of a and b with w[0]·a + w[1]·b = p, w[0] + w[1] = 1. False, writing nothing,
-/// when a = b.
+/// when a = b; in this and the two below also for what is not finite (tests/unit/test_measure.c).
 SAG_API bool sag_barycentric_1d(double p, double a, double b, double weights[2]);
 /// Two dimensions: the weights of a, b, c for p. Computed from signed areas; the signs are exact. False for
 /// no area.
