@@ -18,8 +18,15 @@ static sag_vec3 triple(sagi_params *params, const char *name, sag_vec3 otherwise
     return sagi_params_triple(params, name, v) ? sag_vec3_make(v[0], v[1], v[2]) : otherwise;
 }
 
+static bool can_shine(sag_rgb c) {
+    return c.r >= 0 && c.g >= 0 && c.b >= 0 && isfinite(c.r) && isfinite(c.g) && isfinite(c.b);
+}
+
 // Puts the light into the world and its parameters to an end.
 static sag_status finish(sagi_pbrt *p, const sag_light *light) {
+    if (!can_shine(light->color))
+        return sagi_params_fail(&p->params, NULL, "its light is %g %g %g: negative or too large",
+                                light->color.r, light->color.g, light->color.b);
     const sag_status status = sagi_pbrt_parameters_done(p);
     if (status != SAG_OK) return status;
     return sag_world_add_light(p->world, light) ? SAG_OK : sagi_pbrt_out_of_memory(p);
@@ -38,8 +45,13 @@ static sag_status point_light(sagi_pbrt *p, double scale) {
 
 static sag_status spot_light(sagi_pbrt *p, double scale) {
     sagi_params *params = &p->params;
-    const double cone = sagi_params_float(params, "coneangle", 30) * (PI / 180);
-    const double delta = sagi_params_float(params, "conedeltaangle", 5) * (PI / 180);
+    const double degrees = sagi_params_float(params, "coneangle", 30), cone = degrees * (PI / 180);
+    double delta = sagi_params_float(params, "conedeltaangle", 5) * (PI / 180);
+    if (!(degrees > 0 && degrees <= 180) || !(delta >= 0))
+        return sagi_params_fail(params, sagi_params_find(params, "coneangle", ~0u),
+                                "coneangle %g: it must be in (0, 180], conedeltaangle not negative", degrees);
+    // pbrt takes the cosine of cone - delta, which forgets a sign.
+    if (delta > cone) delta = fmax(0, cone - fabs(cone - delta));
     const double power = sagi_params_float(params, "power", -1);
     if (power > 0) {
         const double start = cos(cone - delta), end = cos(cone);
@@ -52,6 +64,8 @@ static sag_status spot_light(sagi_pbrt *p, double scale) {
         .to = sag_affine_point(&p->state.ctm, triple(params, "to", sag_vec3_make(0, 0, 1))),
         .cone_rad = cone,
         .cone_delta_rad = delta};
+    if (!(sag_length(sag_sub(light.to, light.from)) > 0))
+        return sagi_params_fail(params, NULL, "from and to are the same point");
     return finish(p, &light);
 }
 
@@ -140,6 +154,8 @@ sag_status sagi_pbrt_area_light_source(sagi_pbrt *p, sagi_place place) {
                           .two_sided = sagi_params_bool(params, "twosided", false),
                           .radiance = scaled(sagi_pbrt_rgb(p, "L", SAGI_SPECTRUM_LIGHT, white), scale),
                           .power = sagi_params_float(params, "power", -1)};
+    if (!can_shine(p->state.area_light.radiance))
+        return sagi_params_fail(params, NULL, "its light is negative or too large");
     sagi_pbrt_ignore(p, "filename", "is not supported: the light has one colour");
     return sagi_pbrt_parameters_done(p);
 }

@@ -115,11 +115,27 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
     return true;
 }
 
+// What would make no material at all is an error, what the renderer cuts off a warning.
+static void check_material(sagi_pbrt *p, sagi_place place, const sag_material *m) {
+    sagi_params *params = &p->params;
+    const bool is_glass = m->kind == SAG_MATERIAL_DIELECTRIC || m->kind == SAG_MATERIAL_THIN_DIELECTRIC ||
+                          m->kind == SAG_MATERIAL_COATED_DIFFUSE;
+    if (is_glass && !(m->eta.value.r > 0 && m->eta.value.g > 0 && m->eta.value.b > 0) && !m->eta.texture)
+        sagi_params_fail(params, sagi_params_find(params, "eta", ~0u),
+                         "eta %g: an index of refraction is positive", m->eta.value.r);
+    const sag_rgb c = m->reflectance.value;
+    const double least = fmin(c.r, fmin(c.g, c.b)), most = fmax(c.r, fmax(c.g, c.b));
+    if (!m->reflectance.texture && (least < 0 || most > 1))
+        sagi_pbrt_warn(p, place, "%s: the reflectance %g %g %g is cut off at 0 and 1", params->what, c.r, c.g,
+                       c.b);
+}
+
 static sag_status read_material(sagi_pbrt *p, sagi_place place, const char *kind, uint32_t *id) {
     if (strcmp(kind, "mix") == 0) return read_mix(p, place, id);
     sag_material material = {.kind = SAG_MATERIAL_DIFFUSE};
     if (!read_kind(p, place, kind, &material))
         return sagi_place_error(place, p->error, "unknown material \"%.60s\"", kind);
+    check_material(p, place, &material);
     const sag_status status = sagi_pbrt_parameters_done(p);
     if (status != SAG_OK) return status;
     *id = sag_world_add_material(p->world, &material);

@@ -246,6 +246,18 @@ sag_status sagi_pbrt_spheres(sagi_pbrt *p) {
     const double factor = cbrt(fabs(sag_affine_determinant(&p->state.ctm)));
     if (status == SAG_OK && params->status == SAG_OK && sag_spheres_validate(&spheres, &reason) != SAG_OK)
         status = sagi_params_fail(params, NULL, "%.380s", reason.message);
+    uint32_t dropped = 0;
+    for (size_t i = 0; i < count / 3; i++) {
+        const double *c = &centers[3 * i], radius = radii ? (double)radii[i] : spheres.radius;
+        const double largest = fmax(fabs(c[0]), fmax(fabs(c[1]), fabs(c[2])));
+        if (!(largest <= SAG_MAX_COORDINATE) || isnan(c[0] + c[1] + c[2]) ||
+            !(radius > 0 && radius <= SAG_MAX_COORDINATE))
+            dropped++;
+    }
+    if (dropped && status == SAG_OK)
+        sagi_pbrt_warn(p, params->place,
+                       "%s: spheres that are not finite or have no positive radius are left out: %u of %u",
+                       params->what, dropped, spheres.count);
     if (status == SAG_OK)
         status = sagi_pbrt_add(
             p, SAG_SHAPE_SPHERES, &spheres,

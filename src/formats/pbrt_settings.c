@@ -66,10 +66,19 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
     camera.fov_rad = fov * RADIANS;
     camera.lens_radius = sagi_params_float(params, "lensradius", 0);
     camera.focal_distance = sagi_params_float(params, "focaldistance", 0);
+    if (!(camera.lens_radius >= 0))
+        sagi_params_fail(params, sagi_params_find(params, "lensradius", ~0u), "a lens of radius %g",
+                         camera.lens_radius);
     size_t count;
     const double *window = sagi_params_numbers(params, "screenwindow", SAGI_TYPE_FLOAT, 4, &count);
     if (count == 4) memcpy(camera.screen_window, window, sizeof camera.screen_window);
+    if (count != 0 && (count != 4 || window[0] == window[1] || window[2] == window[3]))
+        sagi_params_fail(params, sagi_params_find(params, "screenwindow", ~0u),
+                         "\"screenwindow\" must be four numbers, left right bottom top, with room between");
     const double aspect = sagi_params_float(params, "frameaspectratio", 0);
+    if (!(aspect >= 0))
+        sagi_params_fail(params, sagi_params_find(params, "frameaspectratio", ~0u),
+                         "frameaspectratio %g: it must be positive", aspect);
     if (aspect > 0 && count != 4) {
         const double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
         const double frame[4] = {-x, x, -y, y};
@@ -78,8 +87,10 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
     sagi_pbrt_ignore(p, "shutteropen", NULL);
     sagi_pbrt_ignore(p, "shutterclose", NULL);
     if (camera.kind == SAG_CAMERA_ENVIRONMENT) {
-        char mapping[32];
-        sagi_params_string(params, "mapping", "equalarea", mapping, sizeof mapping);
+        char mapping[32]; // "environment" is how older scenes call the one there was
+        sagi_params_string(params, "mapping",
+                           strcmp(name, "environment") == 0 ? "equirectangular" : "equalarea", mapping,
+                           sizeof mapping);
         if (strcmp(mapping, "equirectangular") != 0)
             sagi_pbrt_warn(p, place, "Camera \"spherical\": the mapping is equirectangular, not %s", mapping);
     }

@@ -104,6 +104,14 @@ static void test_errors_have_their_place(void **state) {
     scene_fails(W "Shape \"torus\" \"float minorradius\" 0", 2, 1, "torus");
     scene_fails(W "Shape \"quadric\"", 2, 1, "ten numbers");
     scene_fails(W "\x01\x02\x03", 2, 1, "no text");
+    // What the renderer would refuse later, when the place is forgotten, or silently replace.
+    scene_fails(W "LightSource \"point\" \"rgb I\" [-1 0 0]", 2, 1, "negative");
+    scene_fails(W "AreaLightSource \"diffuse\" \"float scale\" -3", 2, 1, "negative");
+    scene_fails(W "LightSource \"spot\" \"float coneangle\" 0", 2, 20, "coneangle 0");
+    scene_fails(W "LightSource \"spot\" \"point3 from\" [0 0 1]", 2, 1, "same point");
+    scene_fails(W "Material \"dielectric\" \"float eta\" -1.5", 2, 23, "index of refraction");
+    scene_fails("Camera \"perspective\" \"float lensradius\" -1", 1, 22, "radius -1");
+    scene_fails("Camera \"perspective\" \"float screenwindow\" [0 0 0 0]", 1, 22, "room between");
 }
 
 // As other programs and pbrt itself write: a byte order mark, Option with a plain name. What is given twice,
@@ -128,6 +136,15 @@ static void test_marks_options_and_repetitions(void **state) {
     assert_non_null(
         strstr(scene_warnings, ":2:1: warning: Shape \"trianglemesh\": triangles with a vertex that is NaN"));
     assert_non_null(strstr(scene_warnings, "2 of 3"));
+    sag_world_destroy(
+        scene_load_good("Camera \"environment\"\n" W
+                        "LightSource \"spot\" \"float coneangle\" 4\n" // pbrt takes it with its delta of 5
+                        "Material \"diffuse\" \"rgb reflectance\" [2 0 0]\n"
+                        "Shape \"spheres\" \"point3 P\" [0 0 0 nan 0 0 1 1 1] \"float radii\" [1 1 -1]"));
+    assert_int_equal(scene_warning_count, 2);
+    assert_non_null(
+        strstr(scene_warnings, ":4:1: warning: Material \"diffuse\": the reflectance 2 0 0 is cut off"));
+    assert_non_null(strstr(scene_warnings, "left out: 2 of 3"));
 }
 
 static void test_included_files(void **state) {
