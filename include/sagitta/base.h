@@ -133,7 +133,9 @@ SAG_API void sag_context_log(const sag_context *context, sag_log_level level, co
 
 /// Calls `task(argument, i)` once for each i in [0, count) on the context's threads (or executor) and returns
 /// when all are done. Order and thread are not defined, so a task's result must not depend on them. A call
-/// made inside a task runs its tasks on the calling thread.
+/// made inside a task runs its tasks on the calling thread. After fork (outside of a task) the child may go
+/// on using the context: its first parallel call, made by one thread, starts threads of its own.
+/// (tests/unit/test_context.c)
 SAG_API void sag_parallel_for(const sag_context *context, size_t count,
                               void (*task)(void *argument, size_t index), void *argument);
 

@@ -11,9 +11,13 @@
 // Nested calls run on the calling thread: each thread that works on a job notes itself in the list of frames,
 // and a call that finds its own thread there is nested. That needs no thread-local variable, so two contexts
 // stay strangers.
+//
+// After fork() the child has the pool's memory, locks as they happened to stand, and none of its threads:
+// waiting for one would never end. So the first call in another process than the owner makes the pool anew.
 #include "base/pool.h"
 #include <signal.h>
 #include <stdatomic.h>
+#include <unistd.h>
 
 // Tasks may keep exact arithmetic's buffers on the stack; this is address space, not memory.
 #define STACK_BYTES ((size_t)4 << 20)
@@ -49,6 +53,23 @@ static bool is_inside(const sagi_pool *pool) {
     for (const sagi_frame *f = pool->frames; f != NULL; f = f->link)
         if (pthread_equal(f->thread, self)) return true;
     return false;
+}
+
+static void settle(sagi_pool *pool) {
+    if (pool->owner == getpid()) return;
+    sagi_frame *frames = pool->frames;
+    pool->frames = NULL;
+    for (sagi_frame *f = frames, *link; f != NULL; f = link) { // this thread's own stay
+        link = f->link;
+        if (pthread_equal(f->thread, pthread_self())) f->link = pool->frames, pool->frames = f;
+    }
+    pthread_mutex_init(&pool->lock, NULL);
+    pthread_cond_init(&pool->work, NULL);
+    pthread_cond_init(&pool->done, NULL);
+    pool->jobs = NULL;
+    pool->started = false;
+    pool->helper_count = 0;
+    pool->owner = getpid();
 }
 
 static void work_on(sagi_job *job) {
@@ -105,7 +126,7 @@ static void start(sagi_pool *pool) {
 }
 
 bool sagi_pool_init(sagi_pool *pool, uint32_t helper_limit, pthread_t *helpers) {
-    *pool = (sagi_pool){.helper_limit = helper_limit, .helpers = helpers};
+    *pool = (sagi_pool){.owner = getpid(), .helper_limit = helper_limit, .helpers = helpers};
     if (pthread_mutex_init(&pool->lock, NULL) != 0) return false;
     if (pthread_cond_init(&pool->work, NULL) == 0) {
         if (pthread_cond_init(&pool->done, NULL) == 0) return true;
@@ -116,6 +137,7 @@ bool sagi_pool_init(sagi_pool *pool, uint32_t helper_limit, pthread_t *helpers) 
 }
 
 void sagi_pool_clear(sagi_pool *pool) {
+    settle(pool);
     pthread_mutex_lock(&pool->lock);
     pool->stopping = true;
     pthread_cond_broadcast(&pool->work);
@@ -130,6 +152,7 @@ void sagi_pool_run(sagi_pool *pool, size_t count, void (*task)(void *argument, s
                    void *argument) {
     sagi_job job = {.task = task, .argument = argument, .count = count};
     sagi_frame frame;
+    settle(pool);
     pthread_mutex_lock(&pool->lock);
     if (is_inside(pool)) {
         pthread_mutex_unlock(&pool->lock);
@@ -179,6 +202,7 @@ static void guest_task(void *argument, size_t index) {
 
 void sagi_pool_run_on(sagi_pool *pool, const sag_executor *executor, size_t count,
                       void (*task)(void *argument, size_t index), void *argument) {
+    settle(pool);
     pthread_mutex_lock(&pool->lock);
     bool nested = is_inside(pool);
     pthread_mutex_unlock(&pool->lock);

@@ -5,6 +5,7 @@
 
 #include <pthread.h>
 #include <sagitta/base.h>
+#include <sys/types.h>
 
 #define SAGI_MAX_THREADS 1024
 
@@ -17,6 +18,7 @@ typedef struct sagi_pool {
     pthread_cond_t done; // a thread left a job
     sagi_job *jobs;      // those that may have indices left; they live on their callers' stacks
     sagi_frame *frames;  // one for each thread that is inside a task
+    pid_t owner;         // the process the threads run in
     bool stopping;
     bool started;
     uint32_t helper_limit; // threads to start: all but the caller's own
@@ -27,7 +29,8 @@ typedef struct sagi_pool {
 // `helpers` has room for helper_limit threads and must outlive the pool. False when the system has no lock to
 // give.
 bool sagi_pool_init(sagi_pool *pool, uint32_t helper_limit, pthread_t *helpers);
-// Stops and joins the threads. No call may be running.
+// Stops and joins the threads. No call may be running. (After fork the child has none: there it only
+// forgets.)
 void sagi_pool_clear(sagi_pool *pool);
 // sag_parallel_for on the pool's threads and the caller's.
 void sagi_pool_run(sagi_pool *pool, size_t count, void (*task)(void *argument, size_t index), void *argument);

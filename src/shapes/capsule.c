@@ -222,6 +222,7 @@ static void texture(const sag_capsule *c, const frame *f, uint32_t part, double 
 static void place_on_side(const sag_capsule *c, const frame *f, sag_vec3 y, sag_surface *surface) {
     double height = sag_dot(y, f->z);
     sag_vec3 radial = sag_normalize(sag_madd(y, -height, f->z));
+    if (sagi_is_zero3(radial)) radial = f->x; // so thin that y is on the axis
     sag_vec3 offset = sag_madd(sag_scale(radial, c->radius), height, f->z);
     surface->position = sag_add(c->p0, offset);
     surface->geometric_normal = radial;

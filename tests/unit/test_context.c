@@ -4,9 +4,12 @@
 #include "support/failing_allocator.h"
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -251,6 +254,33 @@ static void the_log_is_one_at_a_time(void **state) {
     sag_context_destroy(c);
 }
 
+#ifndef __SANITIZE_THREAD__ // which does not let a child start threads
+static void count_one(void *argument, size_t index) {
+    (void)index;
+    atomic_fetch_add((atomic_size_t *)argument, 1);
+}
+
+// The child waited for ever for threads that only its parent has (Python's multiprocessing forks like that).
+static void a_forked_child_goes_on_and_ends(void **state) {
+    (void)state;
+    sag_context *context = sag_context_create(&(sag_context_options){.thread_count = 4});
+    atomic_size_t count = 0;
+    sag_parallel_for(context, 1000, count_one, &count);
+    assert_int_equal(count, 1000);
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(20);
+        sag_parallel_for(context, 1000, count_one, &count);
+        sag_context_destroy(context);
+        _exit(count == 2000 ? 0 : 1);
+    }
+    int status = -1;
+    assert_true(child > 0 && waitpid(child, &status, 0) == child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    sag_context_destroy(context);
+}
+#endif
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_work),
@@ -264,6 +294,9 @@ int main(void) {
         cmocka_unit_test(nested_calls_stay_on_their_thread),
         cmocka_unit_test(calls_from_several_threads_are_safe),
         cmocka_unit_test(the_callers_executor_does_the_work),
+#ifndef __SANITIZE_THREAD__
+        cmocka_unit_test(a_forked_child_goes_on_and_ends),
+#endif
         cmocka_unit_test(the_log_is_one_at_a_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

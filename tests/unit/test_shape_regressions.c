@@ -88,6 +88,17 @@ static void horn_torus_has_a_normal_at_its_middle(void **state) {
     assert_true(count > 0);
 }
 
+// A sample of a capsule so thin that doubles cannot tell it from its axis had the normal 0.
+static void needle_capsule_has_a_normal(void **state) {
+    (void)state;
+    const sag_capsule needle = {{-7e28, 6e28, -6e28}, {1, 2, 3}, 1e-3};
+    for (int i = 0; i < 50; i++) {
+        sag_surface s;
+        assert_true(sag_capsule_sample(&needle, (sag_vec2){i / 50.0, i / 51.0}, &s));
+        assert_true(is_good(&s));
+    }
+}
+
 // Areas whose parts over- or underflow were NaN, and so were the samples of a box without area.
 static void areas_at_the_ends_of_the_doubles(void **state) {
     (void)state;
@@ -106,6 +117,7 @@ int main(void) {
         cmocka_unit_test(hits_of_extreme_directions_have_surfaces),
         cmocka_unit_test(hit_is_the_first_of_equal_t),
         cmocka_unit_test(horn_torus_has_a_normal_at_its_middle),
+        cmocka_unit_test(needle_capsule_has_a_normal),
         cmocka_unit_test(areas_at_the_ends_of_the_doubles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,10 +12,11 @@
 /// Accuracy, for all of them: t within 1.5 ulp of the exact root of the equation for the numbers given, and
 /// hit or miss decided exactly, tangents included (tests/oracle/test_quadrics.c, against MPFR). Where a clip
 /// or a cap meets the surface, which side a crossing is on is decided by values of t within 2 ulp each; a
-/// closed shape is entered as often as left all the same. A ray that starts more than 2²⁰⁰ times the shape's
-/// size away misses. The position of a hit is projected onto the surface: position_error bounds its distance
-/// from the surface, which is what spawned rays need (tests/unit/test_quadric_surfaces.c). Source:
-/// docs/sphere.md and src/shapes/quadric_solve.c.
+/// closed shape is entered as often as left all the same. (So a cone or paraboloid lower than 2^-48 of its
+/// radius has a rim as blurred as it is wide.) A ray that starts more than 2²⁰⁰ times the shape's size away
+/// misses. The position of a hit is projected onto the surface: position_error bounds its distance from the
+/// surface, which is what spawned rays need (tests/unit/test_quadric_surfaces.c). Source: docs/sphere.md and
+/// src/shapes/quadric_solve.c.
 #ifndef SAGITTA_SHAPES_QUADRICS_H
 #define SAGITTA_SHAPES_QUADRICS_H
 
