@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Models in other formats than pbrt's: PLY by our own reader, the rest through Assimp's C interface. Assimp
-// is asked to cut polygons into triangles and for nothing else, so that primitives stay in the file's order
-// and nothing is joined, dropped or moved. A mesh that several nodes show becomes one object and its
-// instances.
+// is asked to cut polygons into triangles (and for normals, for pictures), so that primitives stay in the
+// file's order and nothing is dropped or moved; vertices that are the same are joined here, those that are
+// near are not. A mesh that several nodes show becomes one object and its instances.
 //
 // Assimp reads a file whole before it looks at it and takes noise for text, so what cannot be a file of the
 // format its name promises is refused beforehand.
@@ -247,7 +247,7 @@ static bool copy_mesh(const struct aiMesh *from, sagi_mesh_data *data, const sag
             !sagi_mesh_data_add(data, face->mIndices[0], face->mIndices[1], face->mIndices[2]))
             return false;
     }
-    return true;
+    return sagi_mesh_data_join(data);
 }
 
 // Adds mesh number i to a scene, placed by the map.
@@ -375,10 +375,11 @@ static sag_status import_scene(importer *m) {
     return status;
 }
 
-// Vertices that are the same are joined. For pictures, what brings no normals of its own gets smooth ones
-// that stop at creases: where neighbouring faces turn by more than 40 degrees.
+// Assimp is not asked to join vertices: it takes for the same what is nearer than some absolute distance, and
+// a small model is a single point. For pictures, what brings no normals of its own gets smooth ones that stop
+// at creases: where neighbouring faces turn by more than 40 degrees.
 static const struct aiScene *import_file(const char *path, bool geometry_only) {
-    const unsigned flags = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices;
+    const unsigned flags = aiProcess_Triangulate;
     if (geometry_only) return aiImportFile(path, flags);
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     if (!properties) return NULL;

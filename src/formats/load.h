@@ -31,6 +31,9 @@ typedef struct sagi_mesh_data {
 void sagi_mesh_data_clear(sagi_mesh_data *mesh);
 // As the scene takes it.
 sag_mesh sagi_mesh_data_view(const sagi_mesh_data *mesh);
+// Makes one of vertices that are the same bit for bit, in position, normal and texture coordinates, in order
+// of first appearance; only for positions_f32. False when memory is short: nothing has changed.
+bool sagi_mesh_data_join(sagi_mesh_data *mesh);
 // How many triangles have a vertex that is NaN, infinite or beyond SAG_MAX_COORDINATE: the scene leaves them
 // out.
 uint32_t sagi_mesh_data_not_finite(const sagi_mesh_data *mesh);

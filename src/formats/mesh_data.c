@@ -25,6 +25,98 @@ sag_mesh sagi_mesh_data_view(const sagi_mesh_data *mesh) {
                       .triangle_count = mesh->triangle_count};
 }
 
+// ---- joining vertices: a hash table of the vertices kept, with open addressing
+
+static uint32_t mix(uint32_t hash, const float *numbers, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &numbers[i], sizeof bits);
+        hash = (hash ^ bits) * 0x9E3779B1u;
+        hash ^= hash >> 15;
+    }
+    return hash;
+}
+
+static uint32_t hash_of(const sagi_mesh_data *mesh, size_t v) {
+    uint32_t hash = mix(0, mesh->positions_f32 + 3 * v, 3);
+    if (mesh->normals) hash = mix(hash, mesh->normals + 3 * v, 3);
+    return mesh->texcoords ? mix(hash, mesh->texcoords + 2 * v, 2) : hash;
+}
+
+static bool are_same(const sagi_mesh_data *mesh, size_t a, size_t b) {
+    const size_t three = 3 * sizeof(float), two = 2 * sizeof(float);
+    return memcmp(mesh->positions_f32 + 3 * a, mesh->positions_f32 + 3 * b, three) == 0 &&
+           (!mesh->normals || memcmp(mesh->normals + 3 * a, mesh->normals + 3 * b, three) == 0) &&
+           (!mesh->texcoords || memcmp(mesh->texcoords + 2 * a, mesh->texcoords + 2 * b, two) == 0);
+}
+
+// Fills in the new number of each vertex; returns how many there are.
+static uint32_t number_vertices(const sagi_mesh_data *mesh, uint32_t *slots, size_t slot_count,
+                                uint32_t *numbers) {
+    uint32_t kept = 0;
+    memset(slots, 0xFF, slot_count * sizeof *slots);
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        size_t at = hash_of(mesh, v) & (slot_count - 1);
+        while (slots[at] != UINT32_MAX && !are_same(mesh, slots[at], v)) at = (at + 1) & (slot_count - 1);
+        if (slots[at] == UINT32_MAX) {
+            slots[at] = v;
+            numbers[v] = kept++;
+        } else {
+            numbers[v] = numbers[slots[at]];
+        }
+    }
+    return kept;
+}
+
+// A copy of the array with the vertices that are kept; NULL when memory is short.
+static float *compact(const sagi_mesh_data *mesh, const float *from, size_t width, const uint32_t *numbers,
+                      uint32_t kept) {
+    float *to = sag_allocate(mesh->context, width * kept * sizeof(float));
+    // Twins overwrite one another with the same bits.
+    for (size_t v = 0; to && v < mesh->vertex_count; v++)
+        memcpy(to + width * numbers[v], from + width * v, width * sizeof(float));
+    return to;
+}
+
+static bool renumber(sagi_mesh_data *mesh, const uint32_t *numbers, uint32_t kept) {
+    const size_t n = mesh->vertex_count, size = kept * sizeof(float);
+    float *positions = compact(mesh, mesh->positions_f32, 3, numbers, kept);
+    float *normals = mesh->normals ? compact(mesh, mesh->normals, 3, numbers, kept) : NULL;
+    float *texcoords = mesh->texcoords ? compact(mesh, mesh->texcoords, 2, numbers, kept) : NULL;
+    if (!positions || (mesh->normals && !normals) || (mesh->texcoords && !texcoords)) {
+        sag_release(mesh->context, positions, 3 * size);
+        sag_release(mesh->context, normals, 3 * size);
+        sag_release(mesh->context, texcoords, 2 * size);
+        return false;
+    }
+    sag_release(mesh->context, mesh->positions_f32, 3 * n * sizeof(float));
+    sag_release(mesh->context, mesh->normals, 3 * n * sizeof(float));
+    sag_release(mesh->context, mesh->texcoords, 2 * n * sizeof(float));
+    mesh->positions_f32 = positions, mesh->normals = normals, mesh->texcoords = texcoords;
+    mesh->vertex_count = kept;
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++)
+        mesh->triangles[i] = numbers[mesh->triangles[i]];
+    return true;
+}
+
+bool sagi_mesh_data_join(sagi_mesh_data *mesh) {
+    size_t slot_count = 16;
+    while (slot_count < 2 * (size_t)mesh->vertex_count) slot_count *= 2;
+    const size_t number_bytes = (mesh->vertex_count ? mesh->vertex_count : 1) * sizeof(uint32_t);
+    uint32_t *slots = sag_allocate(mesh->context, slot_count * sizeof *slots);
+    uint32_t *numbers = sag_allocate(mesh->context, number_bytes);
+    bool good = slots && numbers;
+    if (good) {
+        const uint32_t kept = number_vertices(mesh, slots, slot_count, numbers);
+        good = kept == mesh->vertex_count || renumber(mesh, numbers, kept);
+    }
+    sag_release(mesh->context, slots, slot_count * sizeof *slots);
+    sag_release(mesh->context, numbers, number_bytes);
+    return good;
+}
+
+// ---- what the scene leaves out
+
 static bool is_good(const sagi_mesh_data *mesh, size_t vertex) {
     bool good = true;
     for (size_t k = 3 * vertex; k < 3 * vertex + 3; k++) {

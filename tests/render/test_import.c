@@ -238,6 +238,24 @@ static void test_truncated_files(void **state) {
     }
 }
 
+// A model of a nanometre has its size: vertices are joined when they are the same, never because they are
+// near.
+static void test_small_models_keep_their_vertices(void **state) {
+    (void)state;
+    static const char small[] = "v 0 0 0\nv 1e-9 0 0\nv 1e-9 1e-9 0\nv 0 1e-9 0\nf 1 2 3\nf 1 3 4\n";
+    write_file("small.obj", small, sizeof small - 1);
+    sag_world *world = sag_world_create(context);
+    heard h = {0};
+    sag_error error;
+    if (sag_world_load_geometry(world, in_folder("small.obj"), on_mesh, &h, &error) != SAG_OK)
+        fail_msg("%s", error.message);
+    assert_true(h.triangles == 2 && h.vertices == 4);
+    assert_int_equal(sag_scene_commit(sag_world_scene(world), NULL), SAG_OK);
+    const sag_ray ray = sag_ray_make(sag_vec3_make(0.5e-9, 0.25e-9, -1), sag_vec3_make(0, 0, 1));
+    assert_true(sag_occluded(sag_world_scene(world), &ray));
+    sag_world_destroy(world);
+}
+
 // Each of these made Assimp or the reading of what it gives fall over: a node without children where one is
 // counted (RAW), room for more vertices than a file has bytes (OFF), a solid without triangles (STL); text in
 // UTF-16 came out as nothing.
@@ -325,6 +343,7 @@ int main(void) {
         cmocka_unit_test(test_stage),
         cmocka_unit_test(test_turned_model_stands_on_the_ground),
         cmocka_unit_test(test_what_the_importer_trips_over),
+        cmocka_unit_test(test_small_models_keep_their_vertices),
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_foreign_files),
         cmocka_unit_test(test_truncated_files),
