@@ -11,7 +11,7 @@
 // t is that of the plane (polygon_plane.c). A line almost in a plane that is not quite one could be inside by
 // the outline and meet the plane far away: what lies outside the bounds is not a hit.
 #include "shapes/polygon.h"
-#include "shapes/common.h"
+#include "shapes/cut.h"
 #include "shapes/triangle.h"
 
 static bool is_inside(const sag_polygon *s, const sag_ray *ray) {
@@ -159,7 +159,15 @@ static void make_surface(const sag_polygon *s, const sagi_polygon_plane *plane, 
 void sag_polygon_surface(const sag_polygon *s, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
     sagi_polygon_plane plane;
     if (!sagi_polygon_is_readable(s) || !sagi_polygon_make_plane(s, &plane)) return;
-    make_surface(s, &plane, sag_ray_at(ray, hit->t), surface);
+    // Where the ray cuts the plane, in double-double: t alone, rounded, puts the point of a ray from far away
+    // beside the polygon.
+    sag_ray line = *ray;
+    line.t_min = -INFINITY, line.t_max = INFINITY;
+    sagi_cut cut;
+    sag_vec3 point = sag_ray_at(ray, hit->t), unused;
+    if (sagi_cut_plane(plane.unit, plane_middle(s, &plane), &line, &cut))
+        sagi_point_at(ray, cut, &point, &unused);
+    make_surface(s, &plane, point, surface);
     sagi_surface_finish(surface, ray, hit);
 }
 

@@ -88,6 +88,28 @@ static void horn_torus_has_a_normal_at_its_middle(void **state) {
     assert_true(count > 0);
 }
 
+// From 1e12 sizes away the rounding of t is 1e-4 sizes: the point of a polygon was that far beside the ray.
+static void polygon_is_met_where_the_ray_is(void **state) {
+    (void)state;
+    static const sag_vec3 corners[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    static const uint32_t loop[1] = {4};
+    const sag_polygon square = {corners, 4, loop, 1};
+    rng r = rng_make(72);
+    for (int i = 0; i < 200; i++) {
+        sag_vec3 target = rng_vec3(&r, 0.9), direction = rng_direction(&r);
+        if (fabs(direction.z) < 0.1) continue;
+        target.z = 0;
+        sag_ray ray = sag_ray_make(sag_madd(target, 1e12, direction), sag_neg(direction));
+        sag_hit hit;
+        sag_surface s;
+        if (!sag_polygon_hit(&square, &ray, &hit)) continue;
+        sag_polygon_surface(&square, &ray, &hit, &s);
+        long double t = -(long double)ray.origin.z / ray.direction.z;
+        assert_true(fabs(s.position.x - (double)(ray.origin.x + t * ray.direction.x)) < 1e-6);
+        assert_true(fabs(s.position.y - (double)(ray.origin.y + t * ray.direction.y)) < 1e-6);
+    }
+}
+
 // A sample of a capsule so thin that doubles cannot tell it from its axis had the normal 0.
 static void needle_capsule_has_a_normal(void **state) {
     (void)state;
@@ -118,6 +140,7 @@ int main(void) {
         cmocka_unit_test(hit_is_the_first_of_equal_t),
         cmocka_unit_test(horn_torus_has_a_normal_at_its_middle),
         cmocka_unit_test(needle_capsule_has_a_normal),
+        cmocka_unit_test(polygon_is_met_where_the_ray_is),
         cmocka_unit_test(areas_at_the_ends_of_the_doubles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
