@@ -159,6 +159,41 @@ static void say_what_was_made(sag_world *world, const sag_render *render, const 
     }
 }
 
+// Whether no background is mixed into a pixel's distance: none of those a filter may reach shows any.
+static bool is_pure(const sag_image *image, uint32_t x, uint32_t y) {
+    const size_t row = (size_t)image->width * image->channels;
+    const float *at = image->pixels + y * row + (size_t)x * image->channels;
+    bool pure = at[0] > 0 && isfinite(at[0]);
+    for (uint32_t i = 1; i <= 4 && pure; i++) {
+        pure = (x < i || *(at - (size_t)i * image->channels) > 0) && (y < i || *(at - i * row) > 0) &&
+               (x + i >= image->width || at[(size_t)i * image->channels] > 0) &&
+               (y + i >= image->height || at[i * row] > 0);
+    }
+    return pure;
+}
+
+// Distances as they are would be white all over in a PNG, and a ground that reaches far leaves no shades for
+// what stands on it: the brightness is the nearest distance over the distance. What is not hit (0) stays
+// black.
+static void show_depth(sag_image *image, const char *output, bool quiet) {
+    float near = INFINITY;
+    for (uint32_t y = 0; y < image->height; y++) {
+        for (uint32_t x = 0; x < image->width; x++) {
+            if (is_pure(image, x, y))
+                near = fminf(near, image->pixels[((size_t)y * image->width + x) * image->channels]);
+        }
+    }
+    if (!isfinite(near)) return;
+    const size_t count = (size_t)image->width * image->height * image->channels;
+    for (size_t i = 0; i < count; i++) {
+        float *d = &image->pixels[i];
+        if (*d > 0) *d = near / fmaxf(*d, near);
+    }
+    if (!quiet)
+        fprintf(stderr, "%s: brightness is %g / distance; .pfm and .exr hold the distance\n", output,
+                (double)near);
+}
+
 static int make_picture(const render_options *o, sag_world *world, const char *output, progress *bar) {
     sag_error error = {0};
     progress_note(bar, "building ...");
@@ -170,6 +205,8 @@ static int make_picture(const render_options *o, sag_world *world, const char *o
     sag_status status = sag_render_run(render, on_progress, bar, &error);
     progress_end(bar);
     if (status == SAG_OK) status = sag_render_get_image(render, &image, &error);
+    const bool is_depth = sag_world_settings(world)->integrator == SAG_INTEGRATOR_DEPTH;
+    if (status == SAG_OK && is_depth && has_ending(output, ".png")) show_depth(&image, output, o->quiet);
     if (status == SAG_OK) status = sag_image_write(sag_world_context(world), &image, output, &error);
     sag_image_clear(sag_world_context(world), &image);
     if (status == SAG_OK && o->stats) status = write_stats(o, world, render, output, &error);

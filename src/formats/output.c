@@ -2,10 +2,13 @@
 // Atomic output: POSIX's rename replaces the old file in one step, so a reader sees either the old one or the
 // new one, whole. The data are forced to disk first (fsync): otherwise a power cut soon after the rename can
 // leave a file with its name but without its content.
+#define _XOPEN_SOURCE 700 // realpath
 #include "formats/output.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -44,7 +47,13 @@ sag_status sagi_output_open(sagi_output *output, const char *path, sag_error *er
     if (strlen(path) >= sizeof output->path) return fail(error, path, "cannot write", ENAMETOOLONG);
     strcpy(output->path, path);
     struct stat status;
+    const bool is_link = lstat(path, &status) == 0 && S_ISLNK(status.st_mode);
     const bool exists = stat(path, &status) == 0;
+    // Behind a symbolic link the file is replaced, not the link.
+    char target[PATH_MAX];
+    if (is_link && exists && S_ISREG(status.st_mode) && realpath(path, target) &&
+        strlen(target) < sizeof output->path)
+        strcpy(output->path, target);
     if (exists && S_ISDIR(status.st_mode)) return fail(error, path, "cannot write", EISDIR);
     int descriptor;
     if (exists && !S_ISREG(status.st_mode)) {

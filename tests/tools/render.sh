@@ -22,6 +22,9 @@ for integrator in path direct ao normal uv depth id albedo; do
     [ -s err ] && fail "--quiet was not"
     [ "$(head -2 $integrator.pfm | tail -1)" = "32 24" ] || fail "$integrator.pfm is not 32 x 24"
 done
+expect 0 render scene.pbrt --integrator depth -o depth.png
+has err '^depth.png: brightness is [0-9.]* / distance'
+rm depth.png
 cmp -s path.pfm normal.pfm && fail "path and normal give the same picture"
 
 expect 0 render scene.pbrt --threads 1 -o one.pfm
@@ -57,5 +60,10 @@ expect 0 render --spp 1 --size 8x8 -o pictures/x.png -- -cube.obj
 # What was there is replaced.
 echo old >old.png
 expect 0 render cube.obj --spp 1 --size 8x8 -o old.png
+echo old >target.png
+ln -s target.png link.png
+expect 0 render cube.obj --spp 1 --size 8x8 -o link.png
+[ -L link.png ] || fail "the link became a file"
+grep -q old target.png && fail "the file behind the link stayed"
 grep -q old old.png && fail "the old picture stayed"
 finish
