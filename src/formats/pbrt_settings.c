@@ -114,7 +114,7 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
         return sagi_params_fail(params, NULL, "a size of %d×%d: each must be in 1 … %u", width, height,
                                 SAG_MAX_IMAGE_SIZE);
     film->width = (uint32_t)width, film->height = (uint32_t)height;
-    sagi_params_string(params, "filename", "pbrt.exr", film->file, sizeof film->file);
+    sagi_params_string(params, "filename", "", film->file, sizeof film->file);
     char sensor[64];
     sagi_params_string(params, "sensor", "cie1931", sensor, sizeof sensor);
     if (strcmp(sensor, "cie1931") != 0)

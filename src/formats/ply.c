@@ -325,7 +325,8 @@ static sag_status read_header(reader *r, header *h) {
             const sag_status status = read_property(r, h, words, count, line);
             if (status != SAG_OK) return status;
         } else if (count > 0 && !sagi_slice_is(words[0], "comment") && !sagi_slice_is(words[0], "obj_info") &&
-                   !sagi_slice_is(words[0], "ply")) {
+                   !sagi_slice_is(words[0], "ply") && !sagi_slice_is(words[0], "Created")) {
+            // "Created by Blender3D 247 …" stands there without "comment" in files of that time.
             return fail(r, line, true, "unknown word in the header");
         }
     }

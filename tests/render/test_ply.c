@@ -48,6 +48,13 @@ static void test_ply(void **state) {
     scene_near(scene_shoot(world, 0.75, 0.5, 2, 0, 0, -1), 2);
     scene_near(scene_shoot(world, 0.25, 0.5, 2, 0, 0, -1), 2);
     sag_world_destroy(world);
+    // Blender 2.4 forgot the word "comment".
+    static const char old[] =
+        "ply\nformat ascii 1.0\nCreated by Blender3D 247\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    assert_int_equal(load_ply(old, sizeof old - 1, &world, &error), SAG_OK);
+    sag_world_destroy(world);
     const char *nan_vertex = PLY_HEAD "0 0 0 255\n1 0 0 255\n1 1 0 255\nnan 1 0 255\n4 0 1 2 3\n";
     assert_int_equal(load_ply(nan_vertex, strlen(nan_vertex), &world, &error), SAG_OK);
     assert_int_equal(sag_scene_commit(sag_world_scene(world), NULL), SAG_OK);

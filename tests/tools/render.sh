@@ -44,6 +44,12 @@ has stats.json '"camera_samples":.*400,'
 has stats.json '"width":.*20,'
 grep -q "$(printf '\r')" err && fail "a progress bar in a file"
 
+# A film without a name: the file's.
+printf 'Film "rgb"\nWorldBegin\nLightSource "infinite"\nShape "sphere"\n' >nameless.pbrt
+expect 0 render nameless.pbrt --spp 1 --size 8x8
+[ -s nameless.png ] || fail "no nameless.png"
+rm nameless.pbrt nameless.png
+
 # A scene without a light is black, and says why.
 printf 'WorldBegin\nShape "sphere"\n' >dark.pbrt
 expect 0 render dark.pbrt --spp 1 --size 8x8 -o dark.png
