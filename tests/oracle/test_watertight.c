@@ -2,6 +2,7 @@
 // Closed meshes do not leak: a line that passes through vertices, edges and faces crosses them evenly often,
 // a ray from inside oddly often. The rays go through the points exactly: origins and directions are chosen so
 // that the doubles are exact, not merely near.
+#include "support/context.h"
 #include "support/mesh_file.h"
 #include "support/meshes.h"
 #include <math.h>
@@ -12,26 +13,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static sag_context *context;
-
-static int setup(void **state) {
-    (void)state;
-    context = sag_context_create(NULL);
-    return context == NULL;
-}
-static int teardown(void **state) {
-    (void)state;
-    sag_context_destroy(context);
-    return 0;
-}
-
-static sag_scene *scene_of(const sag_mesh *mesh) {
-    sag_scene *scene = sag_scene_create(context);
-    sag_add_mesh(scene, mesh);
-    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
-    return scene;
-}
 
 static sag_vec3 vertex(const sag_mesh *m, uint32_t i) {
     if (m->positions_f64)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The scene's housekeeping: adding, changing, committing, sharing, and what goes wrong.
 #include "scene/scene.h"
+#include "support/context.h"
 #include "support/failing_allocator.h"
 #include "support/meshes.h"
 #include "support/random_shape.h"
@@ -10,19 +11,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static sag_context *context;
-
-static int setup(void **state) {
-    (void)state;
-    context = sag_context_create(NULL);
-    return context == NULL;
-}
-static int teardown(void **state) {
-    (void)state;
-    sag_context_destroy(context);
-    return 0;
-}
 
 static sag_sphere ball(double x, double radius) {
     return (sag_sphere){.center = {x, 0, 0}, .radius = radius};

@@ -2,6 +2,7 @@
 // Faults that users of other ray libraries reported, each under the name of its report, and attacks on the
 // culling.
 #include "scene/scene.h"
+#include "support/context.h"
 #include "support/meshes.h"
 #include <sagitta/sagitta.h>
 #include <setjmp.h>
@@ -10,26 +11,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static sag_context *context;
-
-static int setup(void **state) {
-    (void)state;
-    context = sag_context_create(NULL);
-    return context == NULL;
-}
-static int teardown(void **state) {
-    (void)state;
-    sag_context_destroy(context);
-    return 0;
-}
-
-static sag_scene *scene_of(const sag_mesh *mesh) {
-    sag_scene *scene = sag_scene_create(context);
-    sag_add_mesh(scene, mesh);
-    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
-    return scene;
-}
 
 static sag_vec3 corner(const sag_mesh *m, uint32_t triangle, int k) {
     const double *p = m->positions_f64 + 3 * (size_t)m->triangles[3 * triangle + (uint32_t)k];

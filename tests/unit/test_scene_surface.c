@@ -2,6 +2,7 @@
 // Surfaces of hits under transforms and nested instances: where they are, which way they face, and that a ray
 // spawned at one never meets it again, at scales from 1e-9 to 1e9. And area, samples and density of what is
 // placed.
+#include "support/context.h"
 #include "support/meshes.h"
 #include "support/random_shape.h"
 #include <sagitta/sagitta.h>
@@ -10,19 +11,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static sag_context *context;
-
-static int setup(void **state) {
-    (void)state;
-    context = sag_context_create(NULL);
-    return context == NULL;
-}
-static int teardown(void **state) {
-    (void)state;
-    sag_context_destroy(context);
-    return 0;
-}
 
 // A random map of any size and place; keeps |translation| of the order of the size, or far beyond it.
 static sag_affine random_map(rng *r) {
