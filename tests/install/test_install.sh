@@ -60,3 +60,13 @@ if [ -x "$prefix/bin/sagitta" ]; then
   "$prefix/bin/sagitta" --help >/dev/null
   echo "the installed program: ok"
 fi
+
+# `make demo` on a bare machine has no test libraries: that configures, and what asks for the tests says what is missing.
+echo "== without the tests' libraries"
+bare() { cmake -S "$source" -B "$work/bare" -G Ninja -DCMAKE_C_COMPILER="$cc" -DCMAKE_CXX_COMPILER="$cxx" -DCMOCKA= "$@" >"$work/log" 2>&1; }
+bare || { cat "$work/log"; exit 1; }
+if bare -DSAGITTA_REQUIRE_TESTS=ON || ! grep -q "need cmocka, GMP and MPFR" "$work/log"; then
+  echo "SAGITTA_REQUIRE_TESTS without cmocka: no error"
+  exit 1
+fi
+echo "configures: ok"
