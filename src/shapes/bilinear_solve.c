@@ -182,7 +182,8 @@ static void add_real(const problem *p, const real_problem *r, sagi_real u, sagi_
     sagi_real3 m = sagi_real3_cross(&r->d, &w), a_d = sagi_real3_cross(&a, &r->d);
     sagi_real3 a_w = sagi_real3_cross(&a, &w);
     sagi_real square = sagi_real3_dot(&m, &m), v = sagi_real3_dot(&a_d, &m);
-    if (sagi_real_sign(&square) == 0) return; // along the ray, or no segment at all
+    // Along the ray, or no segment at all: m is 0, or what a root that is no binary fraction has left of it.
+    if (sagi_real_to_double(&square) < 0x1p-600) return;
     v = sagi_real_div(v, square);
     beyond = sagi_real_sub(v, sagi_real_from(1));
     if (sign_of(&v) < 0 || sign_of(&beyond) > 0) return;

@@ -132,6 +132,16 @@ static void isolate(chain *w, mpfr_t low, mpfr_t high, int changes_low, int chan
     mpfr_t middle;
     mpfr_init2(middle, BITS);
     if (changes_low - changes_high == 1) {
+        // A start exactly on the torus: t = 0 is a root, and halving would only come near it.
+        mpfr_set_d(w->x, -w->t0, RN), mpfr_mul_2si(w->x, w->x, w->length, RN);
+        if (mpfr_cmp(w->x, low) > 0 && mpfr_cmp(w->x, high) <= 0) {
+            mpfr_set(middle, w->x, RN);
+            if (sign_at(w, &w->p[0], middle) == 0) {
+                crossing_truth_add(truth, ray, 0);
+                mpfr_clear(middle);
+                return;
+            }
+        }
         // Just above low, which may be a root that belongs to the interval before.
         int sign_low = sign_at(w, &w->p[0], low);
         if (sign_low == 0) sign_low = sign_at(w, &w->p[1], low);

@@ -38,6 +38,27 @@ static void test_known_crossings(void **state) {
     assert_false(sag_bilinear_patch_hit(&saddle, &ruling, &hit)); // lies in the patch
 }
 
+// Rays parallel to the patch's segment at u = 2/3 or 1/3, beside it: there is no crossing at that u, though
+// no binary fraction says so exactly.
+static void test_segments_along_the_ray(void **state) {
+    (void)state;
+    static const struct {
+        sag_bilinear_patch patch;
+        sag_vec3 origin, direction;
+    } cases[] = {
+        {{{0, 0, 32}, {-16, 32, -32}, {-32, 0, -32}, {0, 16, 16}}, {16, 32, -32}, {0, 1, -1}},
+        {{{2, 1, 2}, {-1, -2, 1}, {-2, -2, 2}, {1, 1, -2}}, {1, -2, 0}, {0, -1, 2}},
+        {{{-2, -1, -1}, {1, -1, 2}, {-2, 1, 0}, {-2, -2, 0}}, {0, -1, -1}, {1, -1, 0}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        sag_ray ray = {.origin = cases[i].origin,
+                       .direction = cases[i].direction,
+                       .t_min = -INFINITY,
+                       .t_max = INFINITY};
+        assert_int_equal(sag_bilinear_patch_crossings(&cases[i].patch, &ray, NULL, 0), 0);
+    }
+}
+
 static void test_area_and_sampling(void **state) {
     (void)state;
     const sag_bilinear_patch square = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {2, 3, 0}};
@@ -104,7 +125,8 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_crossings), cmocka_unit_test(test_area_and_sampling),
-        cmocka_unit_test(test_surfaces_and_spawned_rays), cmocka_unit_test(test_bad_input)};
+        cmocka_unit_test(test_known_crossings), cmocka_unit_test(test_segments_along_the_ray),
+        cmocka_unit_test(test_area_and_sampling), cmocka_unit_test(test_surfaces_and_spawned_rays),
+        cmocka_unit_test(test_bad_input)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
