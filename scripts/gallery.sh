@@ -11,4 +11,4 @@ for scene in examples/gallery/*.pbrt; do
     [ "$name" = stage ] && continue
     "$sagitta" render "$scene" -o "docs/images/gallery/$name.png" --quiet
 done
-"$sagitta" render examples/showcase.pbrt -o docs/images/showcase.png --spp 200 --quiet
+"$sagitta" render examples/showcase.pbrt -o docs/images/showcase.png --quiet
