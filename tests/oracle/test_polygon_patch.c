@@ -129,9 +129,10 @@ static int patch_truth(const sag_bilinear_patch *s, const sag_ray *ray, mpfr_t t
         madd3(&wu, &w, u[i], &twist);
         cross3(&m, &d, &wu);
         dot3(square, &m, &m);
-        // A segment along the ray: m is 0 but for the rounding of u.
-        dot3(x, &wu, &wu), dot3(v, &d, &d), mpfr_mul(x, x, v, MPFR_RNDN);
-        if (mpfr_zero_p(square) || mpfr_zero_p(x) || mpfr_get_exp(square) < mpfr_get_exp(x) - BITS) continue;
+        // A segment along the ray, or shrunk to a point: m is 0 but for the rounding of u.
+        dot3(x, &w, &w), dot3(v, &twist, &twist), mpfr_add(x, x, v, MPFR_RNDN);
+        dot3(v, &d, &d), mpfr_mul(x, x, v, MPFR_RNDN);
+        if (mpfr_zero_p(square) || mpfr_get_exp(square) < mpfr_get_exp(x) - BITS) continue;
         cross3(&n, &a, &d);
         dot3(v, &n, &m);
         bool v_at_rim = is_at_rim(v, square);
