@@ -24,7 +24,8 @@ typedef struct poly {
 typedef struct chain {
     poly p[5];
     int count;
-    bool multiple; // a multiple root, or one to 300 bits
+    bool multiple;  // a multiple root, or one to 300 bits
+    bool starts_on; // the ray's origin is exactly on the torus
     mpfr_t x, y, z, low, high, o[3], d[3], k, q, r4;
     double t0; // t = t0 + s 2^-length
     int length;
@@ -134,13 +135,10 @@ static void isolate(chain *w, mpfr_t low, mpfr_t high, int changes_low, int chan
     if (changes_low - changes_high == 1) {
         // A start exactly on the torus: t = 0 is a root, and halving would only come near it.
         mpfr_set_d(w->x, -w->t0, RN), mpfr_mul_2si(w->x, w->x, w->length, RN);
-        if (mpfr_cmp(w->x, low) > 0 && mpfr_cmp(w->x, high) <= 0) {
-            mpfr_set(middle, w->x, RN);
-            if (sign_at(w, &w->p[0], middle) == 0) {
-                crossing_truth_add(truth, ray, 0);
-                mpfr_clear(middle);
-                return;
-            }
+        if (w->starts_on && mpfr_cmp(w->x, low) >= 0 && mpfr_cmp(w->x, high) <= 0) {
+            crossing_truth_add(truth, ray, 0);
+            mpfr_clear(middle);
+            return;
         }
         // Just above low, which may be a root that belongs to the interval before.
         int sign_low = sign_at(w, &w->p[0], low);
@@ -174,6 +172,20 @@ static void isolate(chain *w, mpfr_t low, mpfr_t high, int changes_low, int chan
     mpfr_clear(middle);
 }
 
+// Whether the point is exactly on the torus: (ρ² + R² − r²)² = 4R²(x² + y²), without a rounding.
+static bool is_on(chain *w, const sag_torus *torus, sag_vec3 p) {
+    const double squares[5] = {p.x, p.y, p.z, torus->major_radius, torus->minor_radius};
+    mpfr_set_zero(w->x, 1), mpfr_set_zero(w->y, 1);
+    for (int i = 0; i < 5; i++) {
+        mpfr_set_d(w->z, squares[i], RN), mpfr_sqr(w->z, w->z, RN);
+        if (i < 2) mpfr_add(w->y, w->y, w->z, RN);
+        (i < 4 ? mpfr_add : mpfr_sub)(w->x, w->x, w->z, RN);
+    }
+    mpfr_sqr(w->x, w->x, RN);
+    mpfr_mul_d(w->y, w->y, 2 * torus->major_radius, RN), mpfr_mul_d(w->y, w->y, 2 * torus->major_radius, RN);
+    return mpfr_equal_p(w->x, w->y);
+}
+
 // False for a multiple root, which Sturm's theorem counts once (unit/test_torus.c has those).
 static bool solve_torus(chain *w, const sag_torus *torus, const sag_ray *ray, crossing_truth *truth) {
     // Only rays that come near the ball around it; and the interval of t in twice that ball.
@@ -193,6 +205,7 @@ static bool solve_torus(chain *w, const sag_torus *torus, const sag_ray *ray, cr
     set_quartic(w, torus, ray, w->t0, w->length, ilogb(reach));
     set_chain(w);
     if (w->multiple) return false;
+    w->starts_on = is_on(w, torus, o);
     mpfr_set_d(w->low, -4, RN), mpfr_set_d(w->high, 4, RN);
     int a = changes_at(w, w->low), b = changes_at(w, w->high);
     isolate(w, w->low, w->high, a, b, 0, ray, truth);
