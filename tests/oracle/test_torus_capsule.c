@@ -135,7 +135,7 @@ static void isolate(chain *w, mpfr_t low, mpfr_t high, int changes_low, int chan
     if (changes_low - changes_high == 1) {
         // A start exactly on the torus: t = 0 is a root, and halving would only come near it.
         mpfr_set_d(w->x, -w->t0, RN), mpfr_mul_2si(w->x, w->x, w->length, RN);
-        if (w->starts_on && mpfr_cmp(w->x, low) >= 0 && mpfr_cmp(w->x, high) <= 0) {
+        if (w->starts_on && mpfr_cmp(w->x, low) > 0 && mpfr_cmp(w->x, high) <= 0) {
             crossing_truth_add(truth, ray, 0);
             mpfr_clear(middle);
             return;
