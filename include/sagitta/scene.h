@@ -89,6 +89,19 @@ SAG_API sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, s
 SAG_API sag_status sag_geometry_get_transform(const sag_scene *scene, uint32_t geometry,
                                               sag_affine *to_scene);
 
+/// How much care a commit takes over its acceleration structure. Answers do not depend on it, not in a bit
+/// (tests/unit/test_quality.c); only the time to build, the memory and the time to trace do.
+typedef enum sag_quality {
+    SAG_QUALITY_DEFAULT = 0, ///< a binned surface area heuristic: right for nearly everything
+    SAG_QUALITY_FAST,        ///< builds sooner, traces slower: for what changes every frame
+    SAG_QUALITY_HIGH,        ///< builds slower, traces sooner where shapes are long, thin or large
+} sag_quality;
+
+/// The quality of the structure that the next sag_scene_commit builds, and those after it, until it is set
+/// again; SAG_QUALITY_DEFAULT at first. SAG_ERROR_ARGUMENT, changing nothing, for what is none of the three.
+/// An instance keeps the quality its own scene was committed with.
+SAG_API sag_status sag_scene_set_quality(sag_scene *scene, sag_quality quality);
+
 /// Makes the scene ready for queries: validates, builds the acceleration structure on the context's threads.
 /// On failure the error says why (the first failed add included) and the scene answers as it did before.
 SAG_API sag_status sag_scene_commit(sag_scene *scene, sag_error *error);

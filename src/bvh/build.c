@@ -195,8 +195,9 @@ static void release(builder *b, uint32_t count) {
     sag_release(b->context, b->scratch, (size_t)count * sizeof *b->scratch);
 }
 
-sag_status sagi_bvh_build(const sag_context *context, sagi_bvh_primitive *primitives, uint32_t count,
-                          sagi_bvh *tree) {
+sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *options,
+                          sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
+    (void)options;
     if (count == 0) {
         *tree = (sagi_bvh){.box = sagi_float_box_empty()};
         return SAG_OK;

@@ -8,7 +8,7 @@
 #define SAGI_BVH_BVH_H
 
 #include "bvh/box.h"
-#include <sagitta/base.h>
+#include <sagitta/scene.h>
 
 // What the tree is built over: a box and the two numbers that say whose it is. Coordinates should be of the
 // order of 1 (the scene scales them), and must be finite with lo ≤ hi.
@@ -57,10 +57,15 @@ typedef struct sagi_bvh {
     sagi_float_box box; // of everything; empty for an empty tree
 } sagi_bvh;
 
+// What may be asked of the builder; all zero is the default.
+typedef struct sagi_bvh_options {
+    sag_quality quality;
+} sagi_bvh_options;
+
 // Builds the tree over primitives[0 … count) on the context's threads; reorders them. SAG_ERROR_MEMORY leaves
 // *tree alone. A count of 0 gives an empty tree.
-sag_status sagi_bvh_build(const sag_context *context, sagi_bvh_primitive *primitives, uint32_t count,
-                          sagi_bvh *tree);
+sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *options,
+                          sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree);
 // Frees what sagi_bvh_build allocated and zeroes *tree.
 void sagi_bvh_release(const sag_context *context, sagi_bvh *tree);
 // Bytes of nodes and references.

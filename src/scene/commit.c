@@ -78,6 +78,7 @@ sag_status sag_scene_commit(sag_scene *scene, sag_error *error) {
     }
     sagi_snapshot *s = sagi_snapshot_create(scene->context, scene->count);
     if (s == NULL) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
+    s->quality = scene->quality;
     sag_status status = make(scene, s, error);
     if (status != SAG_OK) {
         sagi_snapshot_release(s);

@@ -142,6 +142,15 @@ sag_status sag_geometry_remove(sag_scene *scene, uint32_t geometry) {
     return SAG_OK;
 }
 
+sag_status sag_scene_set_quality(sag_scene *scene, sag_quality quality) {
+    switch (quality) {
+    case SAG_QUALITY_DEFAULT:
+    case SAG_QUALITY_FAST:
+    case SAG_QUALITY_HIGH: scene->quality = quality; return SAG_OK;
+    }
+    return SAG_ERROR_ARGUMENT;
+}
+
 sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, sag_shape_kind *kind,
                             const void **shape) {
     const sagi_geometry *g = find(scene, geometry);

@@ -52,7 +52,8 @@ struct sagi_snapshot {
     sagi_bvh_reference *unbounded; // world.unbounded
     uint32_t unbounded_capacity;
     sag_scene_stats stats;
-    double radius; // the largest coordinate of stats.bounds
+    double radius;       // the largest coordinate of stats.bounds
+    sag_quality quality; // that the tree is built with
 };
 
 // A snapshot of `count` empty entries, not yet with a tree; NULL when memory is short.
@@ -113,6 +114,7 @@ struct sag_scene {
     uint32_t count, capacity;
     sag_error add_error; // the first failed add since the last commit; status SAG_OK: none
     sagi_cell *cell;
+    sag_quality quality; // of the next commit's tree
 };
 
 // The current snapshot, NULL before the first commit.
