@@ -91,8 +91,9 @@ void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 // Nodes for the whole range below `range`, on the calling thread.
 void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *nodes, sagi_range range);
 
-// The eight-wide tree of a binary one whose root is nodes[0]; the leaves' references are sorted.
-sag_status sagi_bvh_collapse(const sag_context *context, const sagi_binary_node *nodes,
-                             const sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree);
+// The eight-wide tree of a binary one whose root is nodes[0].
+sag_status sagi_bvh_collapse(const sag_context *context, const sagi_leaf_maker *maker,
+                             const sagi_binary_node *nodes, const sagi_bvh_primitive *primitives,
+                             sagi_bvh *tree);
 
 #endif

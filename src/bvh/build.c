@@ -197,7 +197,6 @@ static void release(builder *b, uint32_t count) {
 
 sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *options,
                           sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
-    (void)options;
     if (count == 0) {
         *tree = (sagi_bvh){.box = sagi_float_box_empty()};
         return SAG_OK;
@@ -209,7 +208,7 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
         sagi_range range = {.count = count};
         measure_all(&b, &range);
         build_binary(&b, range);
-        status = sagi_bvh_collapse(context, b.nodes, primitives, count, tree);
+        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, primitives, tree);
     }
     release(&b, count);
     return status;
@@ -217,10 +216,10 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
 
 void sagi_bvh_release(const sag_context *context, sagi_bvh *tree) {
     sag_release(context, tree->nodes, tree->node_capacity * sizeof *tree->nodes);
-    sag_release(context, tree->references, tree->reference_count * sizeof *tree->references);
+    sag_release(context, tree->leaves, tree->unit_count * SAGI_BVH_UNIT);
     *tree = (sagi_bvh){.box = sagi_float_box_empty()};
 }
 
 size_t sagi_bvh_bytes(const sagi_bvh *tree) {
-    return tree->node_capacity * sizeof *tree->nodes + tree->reference_count * sizeof *tree->references;
+    return tree->node_capacity * sizeof *tree->nodes + tree->unit_count * SAGI_BVH_UNIT;
 }

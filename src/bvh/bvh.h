@@ -25,15 +25,18 @@ typedef struct sagi_bvh_reference {
 } sagi_bvh_reference;
 
 // A node: the boxes of its eight children, coordinate by coordinate, so that one instruction handles all
-// eight. plane[0…2] are the lower x, y, z of each child, plane[3…5] the upper. A child with count 0 is the
-// node child[i]; with count > 0 a leaf, the references child[i] … child[i] + count[i] − 1. Children that are
-// not there have the box lo = ∞, hi = −∞, which no ray meets. 256 bytes: four cache lines.
+// eight. plane[0…2] are the lower x, y, z of each child, plane[3…5] the upper. A child without the bit
+// SAGI_BVH_LEAF is the node of that number; with it, the rest is where its leaf begins, in units. Children
+// that are not there have the box lo = ∞, hi = −∞, which no ray meets. 224 bytes: four cache lines, wherever
+// it begins, and no power of two, so that nodes spread over the sets of a cache.
 typedef struct sagi_bvh_node {
     float plane[6][8];
     uint32_t child[8];
-    uint32_t count[8];
 } sagi_bvh_node;
-_Static_assert(sizeof(sagi_bvh_node) == 256, "a node is four cache lines");
+_Static_assert(sizeof(sagi_bvh_node) == 224, "seven times 32 bytes");
+
+#define SAGI_BVH_LEAF 0x80000000u
+#define SAGI_BVH_UNIT ((size_t)64) // bytes
 
 // Caps that hold together. A leaf has at most SAGI_BVH_MAX_LEAF references and the binary tree at most
 // SAGI_BVH_MAX_DEPTH levels of inner nodes: a node at depth d may hold at most
@@ -48,18 +51,28 @@ _Static_assert(sizeof(sagi_bvh_node) == 256, "a node is four cache lines");
 _Static_assert(SAGI_BVH_MAX_DEPTH >= 32, "halving a 32-bit count must reach a leaf");
 
 typedef struct sagi_bvh {
-    sagi_bvh_node *nodes; // nodes[0] is the root; NULL for an empty tree
-    sagi_bvh_reference *references;
+    sagi_bvh_node *nodes;               // nodes[0] is the root; NULL for an empty tree
+    unsigned char *leaves;              // the leaves' data, which the maker of leaves wrote
     uint32_t node_count, node_capacity; // equal once built
-    uint32_t reference_count;
+    uint32_t unit_count;                // of leaves
     uint32_t leaf_count;
     uint32_t depth;     // levels of nodes
     sagi_float_box box; // of everything; empty for an empty tree
 } sagi_bvh;
 
-// What may be asked of the builder; all zero is the default.
+// Who knows what primitives are. Both are called from several threads.
+typedef struct sagi_leaf_maker {
+    const void *user;
+    // How many units the leaf over these primitives takes, 1 to SAGI_BVH_MAX_LEAF of them.
+    uint32_t (*units)(const void *user, const sagi_bvh_primitive *primitives, uint32_t count);
+    // Writes all of these units.
+    void (*write)(const void *user, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
+} sagi_leaf_maker;
+
+// What is asked of the builder.
 typedef struct sagi_bvh_options {
     sag_quality quality;
+    sagi_leaf_maker leaves;
 } sagi_bvh_options;
 
 // Builds the tree over primitives[0 … count) on the context's threads; reorders them. SAG_ERROR_MEMORY leaves
@@ -68,7 +81,7 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
                           sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree);
 // Frees what sagi_bvh_build allocated and zeroes *tree.
 void sagi_bvh_release(const sag_context *context, sagi_bvh *tree);
-// Bytes of nodes and references.
+// Bytes of nodes and leaves.
 size_t sagi_bvh_bytes(const sagi_bvh *tree);
 
 #endif

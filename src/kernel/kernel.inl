@@ -5,6 +5,7 @@
 // The float ray (ray.h) culls conservatively; the leaves (leaf.inl) ask the shapes themselves, in double. A
 // box is skipped only when it begins strictly beyond the best t: hits at equal t are compared by (instance
 // path, geometry, primitive), so the answer does not depend on the tree.
+#include "kernel/block.h"
 #include "kernel/kernel.h"
 #include "kernel/ray.h"
 #include "shapes/common.h"
@@ -62,7 +63,7 @@ static bool walk_all(level *here);
 // A node or leaf that waits, with where it begins at the earliest.
 typedef struct waiting {
     float begin;
-    uint32_t child, count;
+    uint32_t child;
 } waiting;
 
 // The children that the ray meets before `limit`, with their beginnings. The loops without branches become
@@ -98,7 +99,7 @@ static inline int push_children(question asked, waiting *stack, int height, cons
         if (asked == CLOSEST)
             for (; place > base && stack[place - 1].begin < begin[i]; place--)
                 stack[place] = stack[place - 1];
-        stack[place] = (waiting){begin[i], node->child[i], node->count[i]};
+        stack[place] = (waiting){begin[i], node->child[i]};
     }
     return height;
 }
@@ -106,25 +107,25 @@ static inline int push_children(question asked, waiting *stack, int height, cons
 // True when the search is over.
 static inline bool walk(question asked, level *here) {
     const sagi_world *world = here->world;
-    if (leaf(asked, here, world->unbounded, world->unbounded_count)) return true;
+    if (list(asked, here, world->unbounded, world->unbounded_count)) return true;
     sagi_float_ray ray;
     if (world->tree.node_count == 0 || !sagi_float_ray_make(world, &here->ray, &ray)) return false;
     double best = here->ray.t_max;
     float limit = sagi_float_ray_limit(&ray, best);
     waiting stack[SAGI_BVH_STACK_SIZE];
     int height = 0;
-    stack[height++] = (waiting){0, 0, 0};
+    stack[height++] = (waiting){0, 0};
     while (height > 0) {
         waiting next = stack[--height];
         if (next.begin > limit) continue;
-        if (next.count == 0) {
+        if ((next.child & SAGI_BVH_LEAF) == 0) {
             float begin[8];
             const sagi_bvh_node *node = &world->tree.nodes[next.child];
             uint32_t met = meet_children(node, &ray, limit, begin);
             height = push_children(asked, stack, height, node, met, begin);
             continue;
         }
-        if (leaf(asked, here, world->tree.references + next.child, next.count)) return true;
+        if (leaf(asked, here, sagi_leaf(&world->tree, next.child))) return true;
         if (asked == CLOSEST && here->ray.t_max < best) {
             best = here->ray.t_max;
             limit = sagi_float_ray_limit(&ray, best);

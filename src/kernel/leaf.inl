@@ -9,25 +9,35 @@ static inline bool sees(const level *here, const sagi_item *item) {
     return (here->ray.mask & item->mask) != 0;
 }
 
-// Triangles. A mesh whose transform mirrors it has its vertices where they stand, but the sense of rotation
-// that says which side is the front is the one before: the second and third vertex change places, and so do
-// their weights in the hit.
+// One triangle. A mesh whose transform mirrors it has its vertices where they stand, but the sense of
+// rotation that says which side is the front is the one before: the second and third vertex change places,
+// and so do their weights in the hit.
+static inline bool triangle(question asked, level *here, const sagi_item *item, sagi_bvh_reference r) {
+    const sag_mesh *mesh = item->shape;
+    const bool one_sided = mesh->one_sided && !here->search->both_sides;
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)r.primitive;
+    sag_vec3 a = sagi_mesh_vertex(mesh, corner[0]);
+    sag_vec3 b = sagi_mesh_vertex(mesh, corner[item->mirrored ? 2 : 1]);
+    sag_vec3 c = sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2]);
+    double t, u, v;
+    if (!sagi_triangle_hit(&here->triangle_ray, &a, &b, &c, one_sided, &t, &u, &v)) return false;
+    return accept(asked, here, r.geometry, r.primitive, t, item->mirrored ? v : u, item->mirrored ? u : v);
+}
+
 static inline bool mesh_run(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const sagi_item *item = &here->world->items[refs[i].geometry];
-        if (!sees(here, item)) continue;
-        const sag_mesh *mesh = item->shape;
-        const bool one_sided = mesh->one_sided && !here->search->both_sides;
-        const uint32_t *corner = mesh->triangles + 3 * (size_t)refs[i].primitive;
-        sag_vec3 a = sagi_mesh_vertex(mesh, corner[0]);
-        sag_vec3 b = sagi_mesh_vertex(mesh, corner[item->mirrored ? 2 : 1]);
-        sag_vec3 c = sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2]);
-        double t, u, v;
-        if (!sagi_triangle_hit(&here->triangle_ray, &a, &b, &c, one_sided, &t, &u, &v)) continue;
-        if (accept(asked, here, refs[i].geometry, refs[i].primitive, t, item->mirrored ? v : u,
-                   item->mirrored ? u : v))
-            return true;
+        if (sees(here, item) && triangle(asked, here, item, refs[i])) return true;
     }
+    return false;
+}
+
+static inline bool triangle_block(question asked, level *here, const sagi_triangle_block *block) {
+    const sagi_item *item = &here->world->items[block->head.geometry];
+    if (!sees(here, item)) return false;
+    for (uint32_t i = 0; i < block->head.count; i++)
+        if (triangle(asked, here, item, (sagi_bvh_reference){block->head.geometry, block->primitive[i]}))
+            return true;
     return false;
 }
 
@@ -185,8 +195,8 @@ static inline bool run(question asked, level *here, sag_shape_kind kind, const s
     return single_run(asked, here, kind, refs, count);
 }
 
-// Cuts a leaf, or the list of the unbounded, into runs of one kind.
-static inline bool leaf(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count) {
+// Cuts references into runs of one kind.
+static inline bool list(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count) {
     for (uint32_t i = 0, n; i < count; i += n) {
         uint8_t kind = here->world->items[refs[i].geometry].kind;
         for (n = 1; i + n < count && here->world->items[refs[i + n].geometry].kind == kind; n++) {
@@ -194,4 +204,9 @@ static inline bool leaf(question asked, level *here, const sagi_bvh_reference *r
         if (run(asked, here, (sag_shape_kind)kind, refs + i, n)) return true;
     }
     return false;
+}
+
+static inline bool leaf(question asked, level *here, const sagi_block *block) {
+    if (block->kind == SAGI_BLOCK_TRIANGLES) return triangle_block(asked, here, (const void *)block);
+    return list(asked, here, ((const sagi_reference_block *)(const void *)block)->reference, block->count);
 }

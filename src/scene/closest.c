@@ -10,6 +10,7 @@
 //
 // Triangles are brought to the scene's space, so they are exact under any map. The other shapes answer in
 // their own space, which is the same question only when the map keeps ratios of lengths.
+#include "kernel/block.h"
 #include "scene/scene.h"
 #include "shapes/mesh.h"
 #include "shapes/shape.h"
@@ -161,7 +162,7 @@ static double least_distance(const probe *b, const sagi_bvh_node *node, int i) {
 
 typedef struct waiting {
     double distance;
-    uint32_t child, count;
+    uint32_t child;
 } waiting;
 
 static void walk(const level *here, search *s) {
@@ -171,12 +172,18 @@ static void walk(const level *here, search *s) {
     probe b = make_probe(here, s->point);
     waiting stack[SAGI_BVH_STACK_SIZE];
     int height = 0;
-    stack[height++] = (waiting){0, 0, 0};
+    stack[height++] = (waiting){0, 0};
     while (height > 0) {
         waiting next = stack[--height];
         if (next.distance > s->bound) continue;
-        for (uint32_t i = 0; i < next.count; i++) try_reference(here, s, &w->tree.references[next.child + i]);
-        if (next.count > 0) continue;
+        if (next.child & SAGI_BVH_LEAF) {
+            const sagi_block *leaf = sagi_leaf(&w->tree, next.child);
+            for (uint32_t i = 0; i < leaf->count; i++) {
+                sagi_bvh_reference r = sagi_block_reference(leaf, i);
+                try_reference(here, s, &r);
+            }
+            continue;
+        }
         const sagi_bvh_node *node = &w->tree.nodes[next.child];
         for (int i = 0, base = height; i < SAGI_BVH_WIDTH; i++) {
             if (!(node->plane[0][i] <= node->plane[3][i])) continue; // not there
@@ -185,7 +192,7 @@ static void walk(const level *here, search *s) {
             int place = height++;
             for (; place > base && stack[place - 1].distance < distance; place--)
                 stack[place] = stack[place - 1];
-            stack[place] = (waiting){distance, node->child[i], node->count[i]};
+            stack[place] = (waiting){distance, node->child[i]};
         }
     }
 }

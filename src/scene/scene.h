@@ -64,6 +64,10 @@ void sagi_snapshot_release(sagi_snapshot *snapshot); // NULL does nothing
 // for more than 2^31 primitives.
 sag_status sagi_snapshot_build(sagi_snapshot *snapshot);
 
+// The makers of leaves (leaves.c); `snapshot` has its units and items.
+uint32_t sagi_leaf_units(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count);
+void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
+
 // What became of a primitive on its way to the tree.
 typedef enum sagi_primitive_state {
     SAGI_PRIMITIVE_GOOD,

@@ -202,7 +202,7 @@ static sag_status build(work *w) {
     sag_status status = SAG_ERROR_MEMORY;
     if ((w->good == 0 || w->primitives != NULL) && (s->unbounded_capacity == 0 || s->unbounded != NULL)) {
         sag_parallel_for(context, w->chunk_count, write_boxes, w);
-        sagi_bvh_options options = {.quality = s->quality};
+        sagi_bvh_options options = {.quality = s->quality, .leaves = {s, sagi_leaf_units, sagi_leaf_write}};
         status = sagi_bvh_build(context, &options, w->primitives, (uint32_t)w->good, &s->world.tree);
     }
     sag_release(context, w->primitives, bytes);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Leaves: what the tree's lowest children are. A leaf is one block of at most eight primitives; it lies in
+// the world's leaves at a multiple of SAGI_BVH_UNIT bytes and begins with a header that says what it is.
+//
+// Triangles of a mesh stand as 16-bit numbers on a grid of the block's own, in 192 bytes, three cache lines.
+// The grid's lines are 2^-exponent world units apart in all three directions (bvh.h has the units), and its
+// zero is at −1 + base·2⁻²⁰. A corner is at most half a grid step off the true vertex (SAGI_GRID_ERROR
+// covers the roundings of its calculation as well). So a block answers "certainly missed" and "certainly hit"
+// by itself, and where it cannot, the mesh's own vertices decide.
+//
+// Everything else is a list of references.
+#ifndef SAGI_KERNEL_BLOCK_H
+#define SAGI_KERNEL_BLOCK_H
+
+#include "bvh/bvh.h"
+
+typedef enum sagi_block_kind { SAGI_BLOCK_TRIANGLES, SAGI_BLOCK_REFERENCES } sagi_block_kind;
+
+typedef struct sagi_block {
+    uint8_t kind; // sagi_block_kind
+    uint8_t count;
+    uint8_t exponent; // of the grid
+    uint8_t unused;
+    uint32_t geometry; // of triangles
+    uint64_t base;     // of the grid: x, y, z in 21 bits each
+} sagi_block;
+_Static_assert(sizeof(sagi_block) == 16, "the primitives' numbers follow");
+
+// corner[i][k][j] is coordinate k of corner i of triangle j. Of a mirrored mesh the second and third corner
+// have changed places (leaf.inl). What is beyond count is 0.
+typedef struct sagi_triangle_block {
+    sagi_block head;
+    uint32_t primitive[SAGI_BVH_WIDTH];
+    uint16_t corner[3][3][SAGI_BVH_WIDTH];
+} sagi_triangle_block;
+_Static_assert(sizeof(sagi_triangle_block) == 3 * SAGI_BVH_UNIT, "three cache lines");
+
+#define SAGI_GRID_BITS         16
+#define SAGI_GRID_MAX_EXPONENT 40
+#define SAGI_GRID_ERROR        (0.5 + 0x1p-10) // in grid steps
+#define SAGI_GRID_BASE_BITS    21
+
+// References by geometry, so that shapes of one kind stand together.
+typedef struct sagi_reference_block {
+    sagi_block head;
+    sagi_bvh_reference reference[SAGI_BVH_MAX_LEAF];
+} sagi_reference_block;
+
+static inline const sagi_block *sagi_leaf(const sagi_bvh *tree, uint32_t child) {
+    return (const sagi_block *)(const void *)(tree->leaves +
+                                              (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT);
+}
+
+// What primitive i of a block is, of any kind.
+static inline sagi_bvh_reference sagi_block_reference(const sagi_block *block, uint32_t i) {
+    if (block->kind == SAGI_BLOCK_REFERENCES)
+        return ((const sagi_reference_block *)(const void *)block)->reference[i];
+    return (sagi_bvh_reference){block->geometry, ((const uint32_t *)(const void *)(block + 1))[i]};
+}
+
+#endif
