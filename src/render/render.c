@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The render job: tiles of pixels, sampled in passes that double in length, on all threads.
+// The render job: tiles of pixels, sampled in passes that double in length, on all threads. Each thread takes
+// tile after tile and follows their samples a wave at a time (wave.c).
 //
 // A tile is the unit of work and of resumption: it notes how many samples each of its pixels has, and takes
 // the next ones up to the pass's end. A cancelled pass leaves some tiles behind; the next run brings them up
@@ -28,6 +29,20 @@ static bool sees_through(const sag_world *world) {
     for (size_t i = 0; i < world->materials.count; i++)
         if (materials[i].material.kind == SAG_MATERIAL_INTERFACE) return true;
     return false;
+}
+
+// A wave for each thread, but no more than there are tiles.
+static sag_status make_waves(sag_render *render, sag_error *error) {
+    size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
+    uint32_t count = sag_context_thread_count(render->context);
+    if (count > tile_count) count = (uint32_t)tile_count;
+    render->wave_size = SAGI_WAVE_SIZE;
+    render->waves = sag_allocate(render->context, count * sizeof *render->waves);
+    bool made = render->waves != NULL;
+    if (made) memset(render->waves, 0, count * sizeof *render->waves), render->wave_count = count;
+    for (uint32_t i = 0; i < count && made; i++) made = sagi_wave_init(&render->waves[i], render);
+    return made ? SAG_OK
+                : sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for %u threads' paths", count);
 }
 
 static sag_status prepare(sag_render *render, sag_error *error) {
@@ -67,7 +82,7 @@ static sag_status prepare(sag_render *render, sag_error *error) {
                              (unsigned)render->width, (unsigned)render->height);
     memset(render->pixels, 0, pixel_bytes);
     memset(render->tile_done, 0, tile_bytes);
-    return SAG_OK;
+    return make_waves(render, error);
 }
 
 sag_render *sag_render_create(sag_world *world, sag_error *error) {
@@ -85,6 +100,7 @@ sag_render *sag_render_create(sag_world *world, sag_error *error) {
     atomic_init(&render->camera_samples, 0);
     atomic_init(&render->bad_samples, 0);
     atomic_init(&render->cancelled, false);
+    atomic_init(&render->next_tile, 0);
     atomic_flag_clear(&render->reporting);
     if (prepare(render, error) != SAG_OK) {
         sag_render_destroy(render);
@@ -96,6 +112,8 @@ sag_render *sag_render_create(sag_world *world, sag_error *error) {
 void sag_render_destroy(sag_render *render) {
     if (!render) return;
     sagi_lights_clear(&render->lights);
+    for (uint32_t i = 0; i < render->wave_count; i++) sagi_wave_clear(&render->waves[i], render->context);
+    sag_release(render->context, render->waves, render->wave_count * sizeof *render->waves);
     size_t pixel_count = (size_t)render->width * render->height;
     sag_release(render->context, render->pixels, pixel_count * sizeof *render->pixels);
     size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
@@ -103,34 +121,13 @@ void sag_render_destroy(sag_render *render) {
     sag_release(render->context, render, sizeof *render);
 }
 
-static sag_rgb take_sample(sagi_tracer *tracer, uint32_t x, uint32_t y) {
-    const sag_render *render = tracer->render;
-    sag_vec2 offset = sagi_filter_sample(&render->filter, sagi_sampler_2d(&tracer->sampler));
-    sag_vec2 lens = {0, 0};
-    if (sagi_camera_has_lens(&render->camera)) lens = sagi_sampler_2d(&tracer->sampler);
-    sag_ray ray = sagi_camera_ray(&render->camera, x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
-    ray.mask = SAG_RAY_CAMERA;
-    switch (render->settings.integrator) {
-    case SAG_INTEGRATOR_PATH:
-    case SAG_INTEGRATOR_DIRECT: return sagi_path_radiance(tracer, ray);
-    case SAG_INTEGRATOR_AO:
-    case SAG_INTEGRATOR_NORMAL:
-    case SAG_INTEGRATOR_UV:
-    case SAG_INTEGRATOR_DEPTH:
-    case SAG_INTEGRATOR_ID:
-    case SAG_INTEGRATOR_ALBEDO: break;
-    }
-    return sagi_shown_value(tracer, ray);
-}
-
-// Samples [first, end) of one pixel. Returns how many were not finite.
-static uint32_t sample_pixel(sagi_tracer *tracer, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
-                             uint32_t end) {
+// Follows the wave's paths to their ends and adds each sample to its pixel. Returns how many were not finite.
+static uint32_t finish_wave(sagi_wave *wave) {
     uint32_t bad = 0;
-    sagi_sampler_start_pixel(&tracer->sampler, x, y);
-    for (uint32_t i = first; i < end; i++) {
-        sagi_sampler_start_sample(&tracer->sampler, i);
-        sag_rgb value = take_sample(tracer, x, y);
+    sagi_wave_follow(wave);
+    for (uint32_t i = 0; i < wave->path_count; i++) {
+        sag_rgb value = wave->paths[i].radiance;
+        sagi_pixel *pixel = wave->paths[i].pixel;
         if (!sagi_rgb_is_finite(value)) {
             bad++;
             continue;
@@ -138,6 +135,7 @@ static uint32_t sample_pixel(sagi_tracer *tracer, sagi_pixel *pixel, uint32_t x,
         pixel->r += value.r, pixel->g += value.g, pixel->b += value.b;
         pixel->count++;
     }
+    wave->path_count = 0;
     return bad;
 }
 
@@ -155,25 +153,41 @@ static void report(sag_render *render) {
     atomic_flag_clear(&render->reporting);
 }
 
-static void run_tile(void *argument, size_t index) {
-    sag_render *render = argument;
-    if (atomic_load(&render->cancelled)) return;
+static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     uint32_t first = render->tile_done[index], end = render->pass_end;
     if (first >= end) return;
     uint32_t x0 = (uint32_t)(index % render->tiles_x) * SAGI_TILE_SIZE;
     uint32_t y0 = (uint32_t)(index / render->tiles_x) * SAGI_TILE_SIZE;
     uint32_t x1 = x0 + SAGI_TILE_SIZE < render->width ? x0 + SAGI_TILE_SIZE : render->width;
     uint32_t y1 = y0 + SAGI_TILE_SIZE < render->height ? y0 + SAGI_TILE_SIZE : render->height;
-    sagi_tracer tracer = {.render = render, .sampler = render->sampler, .rays = 0};
     uint64_t bad = 0;
-    for (uint32_t y = y0; y < y1; y++)
-        for (uint32_t x = x0; x < x1; x++)
-            bad += sample_pixel(&tracer, &render->pixels[(size_t)y * render->width + x], x, y, first, end);
+    wave->rays_traced = 0;
+    for (uint32_t y = y0; y < y1; y++) {
+        for (uint32_t x = x0; x < x1; x++) {
+            sagi_pixel *pixel = &render->pixels[(size_t)y * render->width + x];
+            for (uint32_t i = first; i < end; i++) {
+                sagi_wave_start(wave, pixel, x, y, i);
+                if (wave->path_count == render->wave_size) bad += finish_wave(wave);
+            }
+        }
+    }
+    bad += finish_wave(wave);
     render->tile_done[index] = end;
-    atomic_fetch_add(&render->rays, tracer.rays);
+    atomic_fetch_add(&render->rays, wave->rays_traced);
     atomic_fetch_add(&render->bad_samples, bad);
     atomic_fetch_add(&render->camera_samples, (uint64_t)(x1 - x0) * (y1 - y0) * (end - first));
     report(render);
+}
+
+// What one thread does of a pass: tile after tile, with the wave that is its own.
+static void run_tiles(void *argument, size_t wave) {
+    sag_render *render = argument;
+    size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
+    while (!atomic_load(&render->cancelled)) {
+        size_t tile = atomic_fetch_add(&render->next_tile, 1);
+        if (tile >= tile_count) return;
+        run_tile(render, &render->waves[wave], tile);
+    }
 }
 
 sag_status sag_render_run(sag_render *render, sag_progress_callback progress, void *user, sag_error *error) {
@@ -190,7 +204,8 @@ sag_status sag_render_run(sag_render *render, sag_progress_callback progress, vo
     while (done < total && !atomic_load(&render->cancelled)) {
         uint32_t step = done == 0 ? 1 : done < LONGEST_PASS ? done : LONGEST_PASS;
         render->pass_end = total - done > step ? done + step : total;
-        sag_parallel_for(render->context, tile_count, run_tile, render);
+        atomic_store(&render->next_tile, 0);
+        sag_parallel_for(render->context, render->wave_count, run_tiles, render);
         done = render->pass_end;
     }
     if (!atomic_load(&render->cancelled)) {

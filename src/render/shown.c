@@ -3,15 +3,16 @@
 #include "job.h"
 #include "warp.h"
 
-static sag_rgb ambient_occlusion(sagi_tracer *tracer, const sag_surface *surface, const sagi_bsdf *bsdf) {
-    sag_vec3 local = sagi_warp_cosine(sagi_sampler_2d(&tracer->sampler));
+static void add_ambient_occlusion(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
+    const sagi_bsdf *bsdf = &meeting->bsdf;
+    sag_vec3 local = sagi_warp_cosine(sagi_sampler_2d(&path->sampler));
     sag_vec3 n = bsdf->wo.z < 0 ? sag_neg(bsdf->n) : bsdf->n, s, t;
     sag_frame(n, &s, &t);
     sagi_light_sample sample = {.target = SAGI_TARGET_FAR};
     sample.wi = sag_madd(sag_madd(sag_scale(s, local.x), local.y, t), local.z, n);
     // Below the true surface (the shading normal leans over): not visible.
-    if (!(sag_dot(sample.wi, bsdf->geometric) * bsdf->wo_side > 0)) return sagi_rgb_grey(0);
-    return sagi_rgb_grey(sagi_visible(tracer, surface, &sample) ? 1 : 0);
+    if (!(sag_dot(sample.wi, bsdf->geometric) * bsdf->wo_side > 0)) return;
+    sagi_wave_add_light(wave, path, &meeting->surface, &sample, sagi_rgb_grey(1));
 }
 
 static sag_rgb normal_color(const sagi_bsdf *bsdf) {
@@ -29,22 +30,19 @@ static sag_rgb id_color(const sag_hit *hit) {
     return sagi_rgb_scale(sagi_rgb_add(sagi_rgb_scale(sagi_rgb_clamp(c), 0.8), sagi_rgb_grey(0.2)), value);
 }
 
-sag_rgb sagi_shown_value(sagi_tracer *tracer, sag_ray ray) {
-    sag_hit hit;
-    sag_surface surface;
-    sagi_bsdf bsdf;
-    const sagi_appearance *appearance;
-    double distance;
-    if (!sagi_trace(tracer, ray, &hit, &surface, &appearance, &bsdf, &distance)) return sagi_rgb_grey(0);
-    switch (tracer->render->settings.integrator) {
-    case SAG_INTEGRATOR_AO: return ambient_occlusion(tracer, &surface, &bsdf);
-    case SAG_INTEGRATOR_NORMAL: return normal_color(&bsdf);
-    case SAG_INTEGRATOR_UV: return sagi_rgb(surface.u - floor(surface.u), surface.v - floor(surface.v), 0);
-    case SAG_INTEGRATOR_DEPTH: return sagi_rgb_grey(distance);
-    case SAG_INTEGRATOR_ID: return id_color(&hit);
-    case SAG_INTEGRATOR_ALBEDO: return sagi_bsdf_albedo(&bsdf);
+void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
+    if (!meeting) return;
+    const sag_surface *surface = &meeting->surface;
+    switch (wave->render->settings.integrator) {
+    case SAG_INTEGRATOR_AO: add_ambient_occlusion(wave, path, meeting); break;
+    case SAG_INTEGRATOR_NORMAL: path->radiance = normal_color(&meeting->bsdf); break;
+    case SAG_INTEGRATOR_UV:
+        path->radiance = sagi_rgb(surface->u - floor(surface->u), surface->v - floor(surface->v), 0);
+        break;
+    case SAG_INTEGRATOR_DEPTH: path->radiance = sagi_rgb_grey(path->distance); break;
+    case SAG_INTEGRATOR_ID: path->radiance = id_color(meeting->hit); break;
+    case SAG_INTEGRATOR_ALBEDO: path->radiance = sagi_bsdf_albedo(&meeting->bsdf); break;
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT: break;
     }
-    return sagi_rgb_grey(0);
 }

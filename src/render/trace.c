@@ -17,30 +17,28 @@ static bool is_there(const sag_world *world, const sagi_appearance *appearance, 
     return material->material.kind != SAG_MATERIAL_INTERFACE;
 }
 
-bool sagi_trace(sagi_tracer *tracer, sag_ray ray, sag_hit *hit, sag_surface *surface,
-                const sagi_appearance **appearance, sagi_bsdf *bsdf, double *distance) {
-    const sag_render *render = tracer->render;
-    *distance = 0;
-    for (int passed = 0; passed < MAX_PASSED; passed++) {
-        tracer->rays++;
-        if (!sag_intersect(render->scene, &ray, hit)) return false;
-        sag_surface_at(render->scene, &ray, hit, surface);
-        *distance += hit->t;
-        *appearance = sagi_appearance_of(render->world, surface);
-        if (!render->see_through || is_there(render->world, *appearance, surface)) {
-            sagi_orient(*appearance, surface);
-            if (bsdf)
-                sagi_material_evaluate(render->world, *appearance, surface, sag_neg(ray.direction), bsdf);
-            return true;
-        }
-        uint32_t mask = ray.mask;
-        ray = sag_spawn_ray(surface, ray.direction);
-        ray.mask = mask;
+sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
+                       sagi_meeting *meeting) {
+    if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
+    sag_surface *surface = &meeting->surface;
+    sag_surface_at(render->scene, ray, hit, surface);
+    path->distance += hit->t;
+    meeting->hit = hit;
+    meeting->appearance = sagi_appearance_of(render->world, surface);
+    if (!render->see_through || is_there(render->world, meeting->appearance, surface)) {
+        sagi_orient(meeting->appearance, surface);
+        sagi_material_evaluate(render->world, meeting->appearance, surface, sag_neg(ray->direction),
+                               &meeting->bsdf);
+        return SAGI_COURSE_MEETING;
     }
-    return false;
+    if (++path->passed == MAX_PASSED) return SAGI_COURSE_AWAY;
+    uint32_t mask = ray->mask;
+    *ray = sag_spawn_ray(surface, ray->direction);
+    ray->mask = mask;
+    return SAGI_COURSE_ON;
 }
 
-static sag_ray shadow_ray(const sag_surface *from, const sagi_light_sample *sample) {
+sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample) {
     sag_ray ray = {0};
     switch (sample->target) {
     case SAGI_TARGET_FAR: ray = sag_spawn_ray(from, sample->wi); break;
@@ -51,21 +49,17 @@ static sag_ray shadow_ray(const sag_surface *from, const sagi_light_sample *samp
     return ray;
 }
 
-bool sagi_visible(sagi_tracer *tracer, const sag_surface *from, const sagi_light_sample *sample) {
-    const sag_render *render = tracer->render;
-    sag_ray ray = shadow_ray(from, sample);
-    if (!render->see_through) {
-        tracer->rays++;
-        return !sag_occluded(render->scene, &ray);
-    }
+bool sagi_visible(sagi_wave *wave, const sag_surface *from, const sagi_light_sample *sample) {
+    const sag_render *render = wave->render;
+    sag_ray ray = sagi_shadow_ray(from, sample);
     sag_hit hit;
     sag_surface surface;
     for (int passed = 0; passed < MAX_PASSED; passed++) {
-        tracer->rays++;
+        wave->rays_traced++;
         if (!sag_intersect(render->scene, &ray, &hit)) return true;
         sag_surface_at(render->scene, &ray, &hit, &surface);
         if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface)) return false;
-        ray = shadow_ray(&surface, sample);
+        ray = sagi_shadow_ray(&surface, sample);
     }
     return false;
 }

@@ -11,8 +11,6 @@
 #include "support/failing_allocator.h"
 #include "support/picture.h"
 
-#include <string.h>
-
 // A small scene with a bit of everything, in pixels that do not fill whole tiles.
 static void furnish(studio *s) {
     s->settings->film.width = 45, s->settings->film.height = 35;
@@ -27,11 +25,6 @@ static void furnish(studio *s) {
     sag_world_set_appearance(s->world, s->scene, ball, &(sag_appearance){.material = glass});
     sag_world_set_appearance(s->world, s->scene, lamp, &(sag_appearance){.emission = {5, 4, 3}});
     sag_world_add_light(s->world, &(sag_light){.kind = SAG_LIGHT_SKY, .color = {0.3, 0.4, 0.6}});
-}
-
-static bool same_picture(const sag_image *a, const sag_image *b) {
-    assert_true(a->width == b->width && a->height == b->height);
-    return memcmp(a->pixels, b->pixels, (size_t)a->width * a->height * 3 * sizeof(float)) == 0;
 }
 
 static void threads_do_not_matter(void **state) {

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <string.h>
 
 studio studio_open(uint32_t thread_count) {
     studio s;
@@ -59,6 +60,11 @@ sag_image studio_render(studio *s, sag_render_stats *stats) {
     if (stats) sag_render_get_stats(render, stats);
     sag_render_destroy(render);
     return image;
+}
+
+bool same_picture(const sag_image *a, const sag_image *b) {
+    assert_true(a->width == b->width && a->height == b->height);
+    return memcmp(a->pixels, b->pixels, (size_t)a->width * a->height * 3 * sizeof(float)) == 0;
 }
 
 studio_mean studio_measure(studio *s) {

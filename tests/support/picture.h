@@ -26,6 +26,8 @@ uint32_t studio_material(studio *s, sag_material material);
 
 // The finished picture. Asserts that all went well. sag_image_clear it.
 sag_image studio_render(studio *s, sag_render_stats *stats);
+// Whether all bits are the same. Asserts that the sizes are.
+bool same_picture(const sag_image *a, const sag_image *b);
 
 typedef struct studio_mean {
     double mean, deviation; // of the red channel over all pixels, and the standard deviation of that mean

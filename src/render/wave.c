@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// Waves of paths (Laine, Karras & Aila, "Megakernels Considered Harmful", HPG 2013, on one core).
+//
+// A ray of a path cannot be traced before the one before it, so a thread that follows one path at a time
+// waits for memory at each node. Rays of different paths are unrelated: traced as a batch, one's waiting is
+// another's work. So a thread follows many paths step by step: all their rays as one batch; what each means
+// for its path, one after the other (path.c), which leaves a new ray, a shadow ray, both or none; then all
+// shadow rays as one batch. Paths that go on move up in the lists as they are written anew, so that these
+// have no holes.
+//
+// The picture cannot depend on any of this. A path has its own random numbers and sums, nothing of them is
+// touched in another order than if it were alone (light that a shadow ray lets through is added before the
+// next step), and the pixels get their samples in the order these were started.
+#include "job.h"
+
+bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
+    const sag_context *context = render->context;
+    wave->render = render;
+    wave->paths = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->paths);
+    wave->active = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->active);
+    wave->rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->rays);
+    wave->hits = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->hits);
+    wave->shadows = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadows);
+    wave->shadow_rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
+    wave->occluded = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->occluded);
+    return wave->paths && wave->active && wave->rays && wave->hits && wave->shadows && wave->shadow_rays &&
+           wave->occluded;
+}
+
+void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
+    sag_release(context, wave->paths, SAGI_WAVE_SIZE * sizeof *wave->paths);
+    sag_release(context, wave->active, SAGI_WAVE_SIZE * sizeof *wave->active);
+    sag_release(context, wave->rays, SAGI_WAVE_SIZE * sizeof *wave->rays);
+    sag_release(context, wave->hits, SAGI_WAVE_SIZE * sizeof *wave->hits);
+    sag_release(context, wave->shadows, SAGI_WAVE_SIZE * sizeof *wave->shadows);
+    sag_release(context, wave->shadow_rays, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
+    sag_release(context, wave->occluded, SAGI_WAVE_SIZE * sizeof *wave->occluded);
+}
+
+void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t sample) {
+    const sag_render *render = wave->render;
+    sagi_path *path = &wave->paths[wave->path_count++];
+    *path = (sagi_path){
+        .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1}, .eta2 = 1, .exact = true};
+    sagi_sampler_start_pixel(&path->sampler, x, y);
+    sagi_sampler_start_sample(&path->sampler, sample);
+    sag_vec2 offset = sagi_filter_sample(&render->filter, sagi_sampler_2d(&path->sampler));
+    sag_vec2 lens = {0, 0};
+    if (sagi_camera_has_lens(&render->camera)) lens = sagi_sampler_2d(&path->sampler);
+    sag_ray ray = sagi_camera_ray(&render->camera, x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
+    ray.mask = SAG_RAY_CAMERA;
+    wave->active[wave->active_count] = path;
+    wave->rays[wave->active_count++] = ray;
+}
+
+void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
+                         const sagi_light_sample *sample, sag_rgb light) {
+    light = sagi_rgb_mul(path->weight, light);
+    if (wave->render->see_through) {
+        if (sagi_visible(wave, from, sample)) path->radiance = sagi_rgb_add(path->radiance, light);
+        return;
+    }
+    wave->shadows[wave->shadow_count] = (sagi_shadow){.path = path, .light = light};
+    wave->shadow_rays[wave->shadow_count++] = sagi_shadow_ray(from, sample);
+}
+
+// One step of one path, whose ray has hit or missed. True when it goes on with what is then in *ray.
+static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *hit) {
+    sagi_meeting meeting;
+    sagi_course course = sagi_trace(wave->render, path, ray, hit, &meeting);
+    if (course == SAGI_COURSE_ON) return true;
+    sagi_meeting *met = course == SAGI_COURSE_MEETING ? &meeting : NULL;
+    switch (wave->render->settings.integrator) {
+    case SAG_INTEGRATOR_PATH:
+    case SAG_INTEGRATOR_DIRECT:
+        if (!sagi_path_step(wave, path, met, ray)) return false;
+        path->distance = 0;
+        path->passed = 0;
+        return true;
+    case SAG_INTEGRATOR_AO:
+    case SAG_INTEGRATOR_NORMAL:
+    case SAG_INTEGRATOR_UV:
+    case SAG_INTEGRATOR_DEPTH:
+    case SAG_INTEGRATOR_ID:
+    case SAG_INTEGRATOR_ALBEDO: break;
+    }
+    sagi_show(wave, path, met);
+    return false;
+}
+
+void sagi_wave_follow(sagi_wave *wave) {
+    const sag_scene *scene = wave->render->scene;
+    while (wave->active_count > 0) {
+        wave->rays_traced += wave->active_count;
+        sag_intersect_batch(scene, wave->rays, wave->hits, wave->active_count);
+        uint32_t kept = 0;
+        wave->shadow_count = 0;
+        for (uint32_t i = 0; i < wave->active_count; i++) {
+            sagi_path *path = wave->active[i];
+            sag_ray ray = wave->rays[i];
+            if (!step(wave, path, &ray, &wave->hits[i])) continue;
+            wave->active[kept] = path;
+            wave->rays[kept++] = ray;
+        }
+        wave->active_count = kept;
+        if (wave->shadow_count == 0) continue;
+        wave->rays_traced += wave->shadow_count;
+        sag_occluded_batch(scene, wave->shadow_rays, wave->occluded, wave->shadow_count);
+        for (uint32_t i = 0; i < wave->shadow_count; i++) {
+            const sagi_shadow *shadow = &wave->shadows[i];
+            if (!wave->occluded[i])
+                shadow->path->radiance = sagi_rgb_add(shadow->path->radiance, shadow->light);
+        }
+    }
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Many samples followed at once, so that their rays are traced in batches.
+#ifndef SAGI_RENDER_WAVE_H
+#define SAGI_RENDER_WAVE_H
+
+#include "film.h"
+#include "light.h"
+#include "sampler.h"
+
+// How many paths a wave has at most: enough that the last few, which trace in small batches, do not matter;
+// few enough that all that belongs to them (about half a kilobyte each) stays in a core's own cache.
+#define SAGI_WAVE_SIZE 1024u
+
+// One sample under way: a path from the camera, and the light it has brought so far. For the integrators that
+// show something, `radiance` is what they show.
+typedef struct sagi_path {
+    sagi_sampler sampler;
+    sagi_pixel *pixel; // where the sample belongs
+    sag_rgb radiance, weight;
+    sagi_shading_point from; // the last surface that scattered
+    double surface_pdf;      // with which it chose this ray
+    double eta2;             // product of the η² crossed
+    double distance;         // along this ray, in its directions, up to where it is now
+    uint32_t passed;         // surfaces on this ray that are not there
+    uint32_t depth;          // bounces so far
+    bool exact;              // no surface, a mirror or glass chose this ray: light is counted in full
+    bool scattered;          // the path has met a surface that is no mirror or glass
+} sagi_path;
+
+// What a ray has met: the nearest surface that is really there, its normals turned to the front.
+typedef struct sagi_meeting {
+    const sag_hit *hit;
+    const sagi_appearance *appearance; // NULL: the default
+    sag_surface surface;
+    sagi_bsdf bsdf;
+} sagi_meeting;
+
+// Light on its way to a path: it arrives unless something is in the way.
+typedef struct sagi_shadow {
+    sagi_path *path;
+    sag_rgb light; // weighted
+} sagi_shadow;
+
+// The samples one thread follows together; arrays have room for SAGI_WAVE_SIZE. On cache lines of its own, as
+// other threads' waves lie beside it.
+typedef struct sagi_wave {
+    _Alignas(64) const sag_render *render;
+    sagi_path *paths; // in the order they were started
+    uint32_t path_count;
+    // The paths that go on, each with its ray and, once traced, what it hit.
+    uint32_t active_count;
+    sagi_path **active;
+    sag_ray *rays;
+    sag_hit *hits;
+    // The shadow rays of this step.
+    uint32_t shadow_count;
+    sagi_shadow *shadows;
+    sag_ray *shadow_rays;
+    bool *occluded;
+    uint64_t rays_traced;
+} sagi_wave;
+
+// False when memory is short; clear it then too. `wave` is zeroed.
+bool sagi_wave_init(sagi_wave *wave, const sag_render *render);
+void sagi_wave_clear(sagi_wave *wave, const sag_context *context);
+// Starts a sample of the pixel at (x, y). The wave has less than SAGI_WAVE_SIZE paths.
+void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t sample);
+// Follows all paths to their ends: then paths[0 … path_count) have their radiance.
+void sagi_wave_follow(sagi_wave *wave);
+// Adds light to a path if the sampled light is seen from the surface: at once, or before the path's next
+// step.
+void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
+                         const sagi_light_sample *sample, sag_rgb light);
+
+// What a ray comes to.
+typedef enum sagi_course {
+    SAGI_COURSE_AWAY,    // it meets nothing
+    SAGI_COURSE_MEETING, // a surface
+    SAGI_COURSE_ON,      // what it hit is not there: the ray goes on behind
+} sagi_course;
+
+// What a path's ray comes to at its hit (geometry SAG_INVALID_ID: none); fills *meeting or moves *ray on.
+sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
+                       sagi_meeting *meeting);
+// The ray that light of this sample takes to the surface, backwards.
+sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample);
+// Whether light of this sample reaches the surface; for scenes where rays may have to go on.
+bool sagi_visible(sagi_wave *wave, const sag_surface *from, const sagi_light_sample *sample);
+
+// The integrators: what happens where a path's ray has met something (NULL: nothing). True when the path goes
+// on with what is then in *ray.
+bool sagi_path_step(sagi_wave *wave, sagi_path *path, sagi_meeting *meeting, sag_ray *ray);
+// The same for those that show what the camera's ray met: they end there.
+void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting);
+
+#endif
