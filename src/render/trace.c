@@ -4,9 +4,6 @@
 // the short way.
 #include "job.h"
 
-// How many surfaces a ray passes before it is given up: a bound, not a setting.
-#define MAX_PASSED 10000
-
 static bool is_there(const sag_world *world, const sagi_appearance *appearance, const sag_surface *surface) {
     if (!appearance) return true;
     const sag_input *alpha = &appearance->look.alpha;
@@ -31,7 +28,7 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
                                &meeting->bsdf);
         return SAGI_COURSE_MEETING;
     }
-    if (++path->passed == MAX_PASSED) return SAGI_COURSE_AWAY;
+    if (++path->passed == SAGI_MAX_PASSED) return SAGI_COURSE_AWAY;
     uint32_t mask = ray->mask;
     *ray = sag_spawn_ray(surface, ray->direction);
     ray->mask = mask;
@@ -49,17 +46,13 @@ sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample
     return ray;
 }
 
-bool sagi_visible(sagi_wave *wave, const sag_surface *from, const sagi_light_sample *sample) {
-    const sag_render *render = wave->render;
-    sag_ray ray = sagi_shadow_ray(from, sample);
-    sag_hit hit;
+sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
+                              const sag_hit *hit) {
+    if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
     sag_surface surface;
-    for (int passed = 0; passed < MAX_PASSED; passed++) {
-        wave->rays_traced++;
-        if (!sag_intersect(render->scene, &ray, &hit)) return true;
-        sag_surface_at(render->scene, &ray, &hit, &surface);
-        if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface)) return false;
-        ray = sagi_shadow_ray(&surface, sample);
-    }
-    return false;
+    sag_surface_at(render->scene, ray, hit, &surface);
+    if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface))
+        return SAGI_COURSE_MEETING;
+    *ray = sagi_shadow_ray(&surface, sample);
+    return SAGI_COURSE_ON;
 }

@@ -23,8 +23,9 @@ bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
     wave->shadows = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadows);
     wave->shadow_rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     wave->occluded = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->occluded);
-    return wave->paths && wave->active && wave->rays && wave->hits && wave->shadows && wave->shadow_rays &&
-           wave->occluded;
+    if (render->see_through) wave->samples = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->samples);
+    return (wave->samples || !render->see_through) && wave->paths && wave->active && wave->rays &&
+           wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
 }
 
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
@@ -35,6 +36,7 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
     sag_release(context, wave->shadows, SAGI_WAVE_SIZE * sizeof *wave->shadows);
     sag_release(context, wave->shadow_rays, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     sag_release(context, wave->occluded, SAGI_WAVE_SIZE * sizeof *wave->occluded);
+    sag_release(context, wave->samples, SAGI_WAVE_SIZE * sizeof *wave->samples);
 }
 
 void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t sample) {
@@ -56,10 +58,7 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
                          const sagi_light_sample *sample, sag_rgb light) {
     light = sagi_rgb_mul(path->weight, light);
-    if (wave->render->see_through) {
-        if (sagi_visible(wave, from, sample)) path->radiance = sagi_rgb_add(path->radiance, light);
-        return;
-    }
+    if (wave->samples) wave->samples[wave->shadow_count] = *sample;
     wave->shadows[wave->shadow_count] = (sagi_shadow){.path = path, .light = light};
     wave->shadow_rays[wave->shadow_count++] = sagi_shadow_ray(from, sample);
 }
@@ -88,28 +87,60 @@ static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *
     return false;
 }
 
-void sagi_wave_follow(sagi_wave *wave) {
-    const sag_scene *scene = wave->render->scene;
-    while (wave->active_count > 0) {
-        wave->rays_traced += wave->active_count;
-        sag_intersect_batch(scene, wave->rays, wave->hits, wave->active_count);
-        uint32_t kept = 0;
-        wave->shadow_count = 0;
-        for (uint32_t i = 0; i < wave->active_count; i++) {
-            sagi_path *path = wave->active[i];
-            sag_ray ray = wave->rays[i];
-            if (!step(wave, path, &ray, &wave->hits[i])) continue;
-            wave->active[kept] = path;
-            wave->rays[kept++] = ray;
-        }
-        wave->active_count = kept;
-        if (wave->shadow_count == 0) continue;
+// All paths' next step.
+static void step_all(sagi_wave *wave) {
+    wave->rays_traced += wave->active_count;
+    sag_intersect_batch(wave->render->scene, wave->rays, wave->hits, wave->active_count);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < wave->active_count; i++) {
+        sagi_path *path = wave->active[i];
+        sag_ray ray = wave->rays[i];
+        if (!step(wave, path, &ray, &wave->hits[i])) continue;
+        wave->active[kept] = path;
+        wave->rays[kept++] = ray;
+    }
+    wave->active_count = kept;
+}
+
+static void add_light(const sagi_shadow *shadow) {
+    shadow->path->radiance = sagi_rgb_add(shadow->path->radiance, shadow->light);
+}
+
+// The light of this step, where nothing is in its way.
+static void add_lights(sagi_wave *wave) {
+    wave->rays_traced += wave->shadow_count;
+    sag_occluded_batch(wave->render->scene, wave->shadow_rays, wave->occluded, wave->shadow_count);
+    for (uint32_t i = 0; i < wave->shadow_count; i++)
+        if (!wave->occluded[i]) add_light(&wave->shadows[i]);
+    wave->shadow_count = 0;
+}
+
+// The same where shadow rays may have to go on: each round brings them to the next surface.
+static void add_lights_through(sagi_wave *wave) {
+    for (uint32_t round = 0; round < SAGI_MAX_PASSED && wave->shadow_count > 0; round++) {
         wave->rays_traced += wave->shadow_count;
-        sag_occluded_batch(scene, wave->shadow_rays, wave->occluded, wave->shadow_count);
+        sag_intersect_batch(wave->render->scene, wave->shadow_rays, wave->hits, wave->shadow_count);
+        uint32_t kept = 0;
         for (uint32_t i = 0; i < wave->shadow_count; i++) {
-            const sagi_shadow *shadow = &wave->shadows[i];
-            if (!wave->occluded[i])
-                shadow->path->radiance = sagi_rgb_add(shadow->path->radiance, shadow->light);
+            sag_ray ray = wave->shadow_rays[i];
+            sagi_course course = sagi_trace_shadow(wave->render, &wave->samples[i], &ray, &wave->hits[i]);
+            if (course == SAGI_COURSE_AWAY) add_light(&wave->shadows[i]);
+            if (course != SAGI_COURSE_ON) continue;
+            if (kept != i) wave->samples[kept] = wave->samples[i], wave->shadows[kept] = wave->shadows[i];
+            wave->shadow_rays[kept++] = ray;
         }
+        wave->shadow_count = kept;
+    }
+    wave->shadow_count = 0; // given up
+}
+
+void sagi_wave_follow(sagi_wave *wave) {
+    while (wave->active_count > 0) {
+        step_all(wave);
+        if (wave->shadow_count == 0) continue;
+        if (wave->render->see_through)
+            add_lights_through(wave);
+        else
+            add_lights(wave);
     }
 }

@@ -57,6 +57,7 @@ typedef struct sagi_wave {
     sagi_shadow *shadows;
     sag_ray *shadow_rays;
     bool *occluded;
+    sagi_light_sample *samples; // what the shadow rays go to; only where they may have to go on, else NULL
     uint64_t rays_traced;
 } sagi_wave;
 
@@ -72,6 +73,9 @@ void sagi_wave_follow(sagi_wave *wave);
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
                          const sagi_light_sample *sample, sag_rgb light);
 
+// How many surfaces that are not there a ray passes before it is given up: a bound, not a setting.
+#define SAGI_MAX_PASSED 10000u
+
 // What a ray comes to.
 typedef enum sagi_course {
     SAGI_COURSE_AWAY,    // it meets nothing
@@ -84,8 +88,9 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
                        sagi_meeting *meeting);
 // The ray that light of this sample takes to the surface, backwards.
 sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample);
-// Whether light of this sample reaches the surface; for scenes where rays may have to go on.
-bool sagi_visible(sagi_wave *wave, const sag_surface *from, const sagi_light_sample *sample);
+// What this ray comes to at its hit; moves *ray on.
+sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
+                              const sag_hit *hit);
 
 // The integrators: what happens where a path's ray has met something (NULL: nothing). True when the path goes
 // on with what is then in *ray.
