@@ -85,6 +85,13 @@ static inline bool sagi_split_goes_left(const sagi_split *split, const sagi_bvh_
     return (int)((sagi_centroid(p, split->axis) - split->origin) * split->scale) < split->bin;
 }
 
+// The most primitives a node at this depth may hold (bvh.h); below the deepest level none.
+static inline uint64_t sagi_depth_allows(uint32_t depth) {
+    if (depth > SAGI_BVH_MAX_DEPTH) return 0;
+    uint32_t levels = SAGI_BVH_MAX_DEPTH - depth;
+    return levels >= 32 ? UINT64_MAX : (uint64_t)SAGI_BVH_MAX_LEAF << levels;
+}
+
 // Reorders primitives so that the half with the smaller centroids on the widest axis comes first.
 void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 
@@ -95,5 +102,9 @@ void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *n
 sag_status sagi_bvh_collapse(const sag_context *context, const sagi_leaf_maker *maker,
                              const sagi_binary_node *nodes, const sagi_bvh_primitive *primitives,
                              sagi_bvh *tree);
+
+// sagi_bvh_build of the other qualities (fast.c).
+sag_status sagi_bvh_build_fast(const sag_context *context, const sagi_bvh_options *options,
+                               sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree);
 
 #endif

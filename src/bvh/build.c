@@ -202,6 +202,8 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
         return SAG_OK;
     }
     if (count > INT32_MAX) return SAG_ERROR_MEMORY; // node numbers go to twice the count
+    if (options->quality == SAG_QUALITY_FAST)
+        return sagi_bvh_build_fast(context, options, primitives, count, tree);
     builder b = {.context = context, .primitives = primitives};
     sag_status status = SAG_ERROR_MEMORY;
     if (allocate(&b, count)) {

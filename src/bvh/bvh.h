@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The acceleration structure: a tree of boxes, eight to a node. It knows boxes and numbers, not shapes.
 //
-// Building goes in two steps: a binary tree by the binned surface area heuristic (binary.c, split.c), which
-// is then collapsed to nodes of eight children (collapse.c). The tree depends on the primitives and their
-// order alone, not on the number of threads.
+// Building goes in two steps: a binary tree, by the binned surface area heuristic (binary.c, split.c) or, for
+// the fast quality, by clustering along a curve (fast.c, morton.c, ploc.c, loose.c), which is then collapsed
+// to nodes of eight children (collapse.c). The tree depends on the primitives and their order alone, not on
+// the number of threads.
 #ifndef SAGI_BVH_BVH_H
 #define SAGI_BVH_BVH_H
 

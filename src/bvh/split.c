@@ -62,12 +62,6 @@ void sagi_bins_merge(sagi_bins *bins, const sagi_bins *other) {
                    other->held[axis][b]);
 }
 
-// The most primitives a node at this depth may hold (bvh.h).
-static uint64_t depth_allows(uint32_t depth) {
-    uint32_t levels = SAGI_BVH_MAX_DEPTH - depth;
-    return levels >= 32 ? UINT64_MAX : (uint64_t)SAGI_BVH_MAX_LEAF << levels;
-}
-
 // Boxes and counts of everything right of each cut, then from the left the cheapest cut.
 static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, sagi_split *best,
                            float *best_cost) {
@@ -103,7 +97,7 @@ sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
     sagi_split best = {.verdict = fits ? SAGI_MAKE_LEAF : SAGI_HALVE};
     float area = sagi_float_box_half_area(&range->box), best_cost = INFINITY;
     if (fits) best_cost = (TEST_COST * (float)range->count - SPLIT_COST) * area / TEST_COST;
-    uint64_t most = depth_allows(range->depth + 1);
+    uint64_t most = sagi_depth_allows(range->depth + 1);
     for (int axis = 0; axis < 3; axis++)
         if (bins->scale[axis] > 0) choose_on_axis(bins, axis, most, &best, &best_cost);
     return best;

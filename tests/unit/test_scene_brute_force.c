@@ -147,6 +147,7 @@ static void add_instance(rng *r, model *all, uint32_t scene, uint32_t child, dou
 static void make_model(rng *r, sag_context *context, double size, bool planes, model *all) {
     for (uint32_t s = 0; s < SCENES; s++) {
         all->scenes[s] = sag_scene_create(context);
+        assert_int_equal(sag_scene_set_quality(all->scenes[s], (sag_quality)rng_below(r, 3)), SAG_OK);
         all->members[s] = calloc(SHAPES, sizeof *all->members[s]);
         all->counts[s] = 0;
         for (uint32_t i = 0; i < SHAPES - 2 * s; i++) {

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// The fast builder. Primitives are sorted along a curve (morton.c), the curve is cut into treelets, cells of
+// the curve with at most TREELET primitives each, every treelet is clustered by one thread (ploc.c) while all
+// of it is in the fastest cache, and the treelets' roots are clustered in the same way to one tree.
+//
+// A cell of one code that still holds too many primitives is sorted by itself, with a curve that fills only
+// what it holds, and again, up to LEVELS times: that resolves 11 bits of each coordinate at a time, more than
+// floats have. Primitives that all have one centroid are cut where they stand.
+#include "bvh/morton.h"
+#include "bvh/ploc.h"
+#include <string.h>
+
+#define TREELET 256u
+#define LEVELS  8
+#define CHUNK   16384u
+
+typedef struct builder {
+    const sag_context *context;
+    sagi_bvh_primitive *primitives; // as they came
+    sagi_loose_tree tree;           // over the sorted ones
+    uint64_t *keys, *scratch;
+    uint32_t *first; // of each treelet in the sorted primitives, and the end
+    uint32_t *roots, *slots;
+    uint32_t treelet_count;
+    float *memory; // for the clustering of roots
+    sagi_binary_node *nodes;
+    uint32_t begin, count; // what gather moves
+} builder;
+
+static void gather_chunk(void *argument, size_t index) {
+    const builder *b = argument;
+    uint32_t i = b->begin + (uint32_t)index * CHUNK, end = b->begin + b->count;
+    if (end - i > CHUNK) end = i + CHUNK;
+    const sagi_bvh_primitive *from = b->primitives + b->begin;
+    for (; i < end; i++) b->tree.primitives[i] = from[b->keys[i] & ((1u << SAGI_MORTON_INDEX) - 1)];
+}
+
+// Sorts the `count` primitives from b->primitives[begin] on.
+static sag_status sort(builder *b, uint32_t begin, uint32_t count) {
+    sag_status status =
+        sagi_morton_sort(b->context, b->primitives + begin, count, b->keys + begin, b->scratch + begin);
+    if (status != SAG_OK) return status;
+    b->begin = begin, b->count = count;
+    sag_parallel_for(b->context, count / CHUNK + (count % CHUNK != 0), gather_chunk, b);
+    return SAG_OK;
+}
+
+static uint64_t code_at(const builder *b, uint32_t i) { return b->keys[i] >> SAGI_MORTON_INDEX; }
+
+// The last code of the largest cell that holds `code` but neither of the two others (unless all are one). A
+// cell's codes agree above some bit, so that must be no higher than the highest bit in which `code` differs
+// from either.
+static uint64_t cell_end(uint64_t code, uint64_t before, uint64_t beyond) {
+    uint64_t low = ((uint64_t)1 << 3 * SAGI_MORTON_BITS) - 1;
+    while (low > 0 && ((code ^ before) <= low || (code ^ beyond) <= low)) low >>= 1;
+    return code | low;
+}
+
+// The first of [begin, end) whose code is more than `code`; end when there is none.
+static uint32_t first_beyond(const builder *b, uint32_t begin, uint32_t end, uint64_t code) {
+    while (begin < end) {
+        uint32_t middle = begin + (end - begin) / 2;
+        if (code_at(b, middle) <= code)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
+static sag_status cut(builder *b, uint32_t begin, uint32_t end, int level);
+
+// Treelets for more primitives of one code than go into one.
+static sag_status cut_cell(builder *b, uint32_t begin, uint32_t end, int level) {
+    if (level < LEVELS) {
+        memcpy(b->primitives + begin, b->tree.primitives + begin, (end - begin) * sizeof *b->primitives);
+        sag_status status = sort(b, begin, end - begin);
+        if (status != SAG_OK) return status;
+        if (code_at(b, begin) != code_at(b, end - 1)) return cut(b, begin, end, level + 1);
+    }
+    for (; begin < end; begin += TREELET) {
+        b->first[b->treelet_count++] = begin;
+        if (end - begin <= TREELET) break;
+    }
+    return SAG_OK;
+}
+
+// Cuts a stretch of primitives that were sorted together into treelets. (Calls itself by cut_cell, at most
+// LEVELS deep.)
+static sag_status cut(builder *b, uint32_t begin, uint32_t end, int level) {
+    uint64_t before = UINT64_MAX; // differs from every code in a bit above all
+    for (uint32_t stop; begin < end; begin = stop) {
+        stop = end;
+        if (end - begin > TREELET) {
+            uint64_t code = code_at(b, begin);
+            stop = first_beyond(b, begin, end, cell_end(code, before, code_at(b, begin + TREELET)));
+            before = code_at(b, stop - 1);
+        }
+        if (stop - begin <= TREELET) {
+            b->first[b->treelet_count++] = begin;
+            continue;
+        }
+        sag_status status = cut_cell(b, begin, stop, level);
+        if (status != SAG_OK) return status;
+    }
+    return SAG_OK;
+}
+
+static void cluster_treelet(void *argument, size_t index) {
+    builder *b = argument;
+    float memory[SAGI_CLUSTERS_FLOATS(TREELET)];
+    sagi_clusters clusters;
+    sagi_clusters_init(&clusters, memory, TREELET);
+    uint32_t first = b->first[index], end = b->first[index + 1];
+    for (uint32_t i = first; i < end; i++) sagi_clusters_add(&clusters, &b->tree, SAGI_LOOSE_LEAF | i);
+    b->roots[index] = sagi_clusters_merge(&clusters, &b->tree, NULL, first);
+    b->slots[index] = end - 1; // the one node of its share that a treelet leaves
+}
+
+static sag_status build(builder *b, uint32_t count) {
+    sag_status status = sort(b, 0, count);
+    if (status == SAG_OK) status = cut(b, 0, count, 0);
+    if (status != SAG_OK) return status;
+    b->first[b->treelet_count] = count;
+    b->roots = sag_allocate(b->context, b->treelet_count * sizeof *b->roots);
+    b->slots = sag_allocate(b->context, b->treelet_count * sizeof *b->slots);
+    b->memory = sag_allocate(b->context, SAGI_CLUSTERS_FLOATS(b->treelet_count) * sizeof *b->memory);
+    if (b->roots == NULL || b->slots == NULL || b->memory == NULL) return SAG_ERROR_MEMORY;
+    sag_parallel_for(b->context, b->treelet_count, cluster_treelet, b);
+    sagi_clusters clusters;
+    sagi_clusters_init(&clusters, b->memory, b->treelet_count);
+    for (uint32_t i = 0; i < b->treelet_count; i++) sagi_clusters_add(&clusters, &b->tree, b->roots[i]);
+    b->tree.root = sagi_clusters_merge(&clusters, &b->tree, b->slots, 0);
+    sagi_loose_write(b->context, &b->tree, b->primitives, b->nodes);
+    return SAG_OK;
+}
+
+static bool allocate(builder *b, uint32_t count) {
+    size_t n = count;
+    b->nodes = sag_allocate(b->context, 2 * n * sizeof *b->nodes);
+    b->tree.nodes = sag_allocate(b->context, n * sizeof *b->tree.nodes);
+    b->tree.primitives = sag_allocate(b->context, n * sizeof *b->tree.primitives);
+    b->keys = sag_allocate(b->context, n * sizeof *b->keys);
+    b->scratch = sag_allocate(b->context, n * sizeof *b->scratch);
+    b->first = sag_allocate(b->context, (n + 1) * sizeof *b->first);
+    return b->nodes != NULL && b->tree.nodes != NULL && b->tree.primitives != NULL && b->keys != NULL &&
+           b->scratch != NULL && b->first != NULL;
+}
+
+static void release(builder *b, uint32_t count) {
+    size_t n = count;
+    sag_release(b->context, b->nodes, 2 * n * sizeof *b->nodes);
+    sag_release(b->context, b->tree.nodes, n * sizeof *b->tree.nodes);
+    sag_release(b->context, b->tree.primitives, n * sizeof *b->tree.primitives);
+    sag_release(b->context, b->keys, n * sizeof *b->keys);
+    sag_release(b->context, b->scratch, n * sizeof *b->scratch);
+    sag_release(b->context, b->first, (n + 1) * sizeof *b->first);
+    sag_release(b->context, b->roots, b->treelet_count * sizeof *b->roots);
+    sag_release(b->context, b->slots, b->treelet_count * sizeof *b->slots);
+    sag_release(b->context, b->memory, SAGI_CLUSTERS_FLOATS(b->treelet_count) * sizeof *b->memory);
+}
+
+sag_status sagi_bvh_build_fast(const sag_context *context, const sagi_bvh_options *options,
+                               sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
+    builder b = {.context = context, .primitives = primitives, .tree.count = count};
+    sag_status status = allocate(&b, count) ? build(&b, count) : SAG_ERROR_MEMORY;
+    if (status == SAG_OK) status = sagi_bvh_collapse(context, &options->leaves, b.nodes, primitives, tree);
+    release(&b, count);
+    return status;
+}
