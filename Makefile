@@ -6,7 +6,7 @@
 #   make demo       build, render examples/showcase.pbrt to showcase.png
 #   make check      build with warnings as errors (gcc and clang), run every test
 #   make lint       formatting, static analysis, the project's own rules
-#   make bench      measure
+#   make bench      measure building and tracing, beside Embree; BENCH="--help" tells what can be chosen
 #   make install    to PREFIX (/usr/local), below DESTDIR when that is set
 #   make deps       only install what all of these need
 #   make clean      remove build/
@@ -40,9 +40,11 @@ lint: deps-lint build/check build/clang
 	@scripts/lint.sh build/check build/clang
 
 bench: deps-build
+	@scripts/deps.sh bench
+	@scripts/deps.sh embree || echo "No Embree to be had: measuring Sagitta alone."
 	cmake --preset release -DSAGITTA_BENCH=ON
-	cmake --build --preset release
-	@scripts/bench.sh build/release
+	cmake --build --preset release --target bench-rays
+	build/release/bench/bench-rays $(BENCH)
 
 install: all
 	cmake --install build/release --prefix $(PREFIX)

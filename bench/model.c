@@ -1,57 +1,77 @@
 // SPDX-License-Identifier: MIT
-#include "model.h"
+// The models: meshes from files, all parts of a file as one mesh in the file's own order, so that a
+// triangle has the same number on both sides.
+#include "bench.h"
+#include <sagitta/render.h>
+#include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
+#include <string.h>
 
-double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+static void *grown(void *old, size_t bytes) {
+    void *memory = realloc(old, bytes);
+    if (memory == NULL && bytes > 0) {
+        fprintf(stderr, "bench-rays: %zu bytes of memory are not to be had\n", bytes);
+        exit(1);
+    }
+    return memory;
 }
 
-static bool grow(model *m, uint32_t vertices, uint32_t triangles) {
-    float *p = realloc(m->positions, (size_t)(m->vertex_count + vertices) * 3 * sizeof *p);
-    if (p == NULL) return false;
-    m->positions = p;
-    uint32_t *t = realloc(m->triangles, (size_t)(m->triangle_count + triangles) * 3 * sizeof *t);
-    if (t == NULL) return false;
-    m->triangles = t;
-    return true;
-}
-
-bool model_generate(model *m, uint32_t n) {
-    if (!grow(m, (n + 1) * (n + 1), 2 * n * n)) return false;
-    for (uint32_t i = 0; i <= n; i++)
-        for (uint32_t j = 0; j <= n; j++) {
-            double theta = 3.14159265358979323846 * i / n, phi = 6.28318530717958647692 * (j % n) / n;
-            double r = 1 + 0.1 * sin(9 * theta) * cos(8 * phi) + 0.01 * sin(90 * theta) * sin(80 * phi);
-            m->positions[3 * m->vertex_count] = (float)(r * sin(theta) * cos(phi));
-            m->positions[3 * m->vertex_count + 1] = (float)(r * cos(theta));
-            m->positions[3 * m->vertex_count++ + 2] = (float)(r * sin(theta) * sin(phi));
-        }
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j < n; j++) {
-            uint32_t a = i * (n + 1) + j, c[6] = {a, a + 1, a + n + 1, a + 1, a + n + 2, a + n + 1};
-            for (int k = 0; k < 6; k++) m->triangles[3 * m->triangle_count + (uint32_t)k] = c[k];
-            m->triangle_count += 2;
-        }
-    return true;
-}
-
-bool model_append(model *m, const sag_mesh *mesh) {
-    if (!grow(m, mesh->vertex_count, mesh->triangle_count)) return false;
+static void append(void *user, const char *name, const sag_mesh *mesh) {
+    (void)name;
+    model *m = user;
+    size_t vertices = (size_t)m->vertex_count + mesh->vertex_count,
+           triangles = (size_t)m->triangle_count + mesh->triangle_count;
+    m->positions = grown(m->positions, vertices * 3 * sizeof *m->positions);
+    m->triangles = grown(m->triangles, triangles * 3 * sizeof *m->triangles);
+    float *p = m->positions + 3 * (size_t)m->vertex_count;
     for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; i++)
-        m->positions[3 * (size_t)m->vertex_count + i] =
-            mesh->positions_f32 != NULL ? mesh->positions_f32[i] : (float)mesh->positions_f64[i];
-    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++)
-        m->triangles[3 * (size_t)m->triangle_count + i] = mesh->triangles[i] + m->vertex_count;
-    m->vertex_count += mesh->vertex_count;
-    m->triangle_count += mesh->triangle_count;
-    return true;
+        p[i] = mesh->positions_f32 != NULL ? mesh->positions_f32[i] : (float)mesh->positions_f64[i];
+    uint32_t *t = m->triangles + 3 * (size_t)m->triangle_count;
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) t[i] = mesh->triangles[i] + m->vertex_count;
+    m->vertex_count = (uint32_t)vertices;
+    m->triangle_count = (uint32_t)triangles;
+}
+
+bool model_load(model *m, const char *path) {
+    *m = (model){0};
+    const char *file = strrchr(path, '/');
+    file = file != NULL ? file + 1 : path;
+    if (strncmp(file, "stanford-", 9) == 0) file += 9;
+    snprintf(m->name, sizeof m->name, "%.*s", (int)strcspn(file, "."), file);
+    sag_context *context = sag_context_create(NULL);
+    sag_world *world = context != NULL ? sag_world_create(context) : NULL;
+    sag_error error = {.message = "out of memory"};
+    bool loaded = world != NULL && sag_world_load_geometry(world, path, append, m, &error) == SAG_OK;
+    if (!loaded) fprintf(stderr, "bench-rays: %s: %s\n", path, error.message);
+    sag_world_destroy(world);
+    sag_context_destroy(context);
+    if (loaded && m->triangle_count == 0) {
+        fprintf(stderr, "bench-rays: %s: no triangles\n", path);
+        loaded = false;
+    }
+    if (!loaded) model_free(m);
+    model_measure(m);
+    return loaded;
+}
+
+void model_measure(model *m) {
+    sag_box3 box = sag_box3_empty();
+    for (size_t i = 0; i < m->vertex_count; i++) {
+        const float *p = m->positions + 3 * i;
+        box = sag_box3_extend(box, sag_vec3_make(p[0], p[1], p[2]));
+    }
+    for (size_t i = 0; i < m->sphere_count; i++) {
+        const float *s = m->spheres + 4 * i;
+        sag_vec3 c = sag_vec3_make(s[0], s[1], s[2]), r = sag_vec3_make(s[3], s[3], s[3]);
+        box = sag_box3_extend(sag_box3_extend(box, sag_sub(c, r)), sag_add(c, r));
+    }
+    m->center = sag_scale(sag_add(box.min, box.max), 0.5);
+    m->radius = 0.5 * sag_length(sag_sub(box.max, box.min));
 }
 
 void model_free(model *m) {
     free(m->positions);
     free(m->triangles);
+    free(m->spheres);
     *m = (model){0};
 }

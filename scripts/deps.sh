@@ -1,12 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Installs the packages that are missing: scripts/deps.sh build|test|lint …; does nothing, and needs no network, when all are
+# Installs the packages that are missing: scripts/deps.sh build|test|lint|bench|embree …; does nothing, and needs no network, when all are
 # there. Knows apt (Debian 12, Ubuntu 22.04 and 24.04); elsewhere it says what is needed.
 set -eu
 
 build="gcc g++ cmake ninja-build pkg-config libc6-dev zlib1g-dev libpng-dev libjpeg-dev libopenexr-dev libassimp-dev libcjson-dev libstb-dev"
 test="libcmocka-dev libgmp-dev libmpfr-dev clang python3 python3-numpy"
 lint="clang-14 clang-format-14 clang-tidy-14 cppcheck binutils"
+bench="libgmp-dev"
+embree="libembree-dev"
 
 wanted=""
 for set in "$@"; do
@@ -14,7 +16,9 @@ for set in "$@"; do
   build) wanted="$wanted $build" ;;
   test) wanted="$wanted $test" ;;
   lint) wanted="$wanted $lint" ;;
-  *) echo "usage: $0 build|test|lint …" >&2; exit 2 ;;
+  bench) wanted="$wanted $bench" ;;
+  embree) wanted="$wanted $embree" ;;
+  *) echo "usage: $0 build|test|lint|bench|embree …" >&2; exit 2 ;;
   esac
 done
 
