@@ -112,7 +112,8 @@ typedef struct sag_scene_stats {
     uint64_t primitive_count; ///< in the tree, dropped ones not counted, instances as one each
     uint64_t dropped_not_finite, dropped_degenerate;
     uint64_t node_count, leaf_count;
-    uint32_t depth;           ///< of the tree
+    uint32_t depth; ///< of the tree
+    double sah; ///< what a ray through the bounds costs on average as the builder reckons, in visits of nodes
     uint64_t geometry_bytes;  ///< the shapes' own data
     uint64_t structure_bytes; ///< nodes and leaves
     double build_seconds;

@@ -10,12 +10,16 @@
 // Node s over the primitives [first, first + n). Its left child is node s + 1, its right child node `link`.
 // A subtree over n primitives owns 2n − 1 consecutive numbers beginning with its root's, so that threads
 // number their subtrees without asking each other: with m primitives on the left, the right child is
-// s + 2m. (Leaves of several primitives leave numbers unused.)
+// s + 2m. (Leaves of several primitives leave numbers unused.) No node is deeper than SAGI_BVH_MAX_DEPTH
+// levels below the root. Leaves may hold the same primitive with several boxes.
 typedef struct sagi_binary_node {
     sagi_float_box box;
     uint32_t link;  // leaf: the first primitive; inner: the right child
-    uint32_t count; // leaf: how many primitives; inner: 0
+    uint32_t count; // leaf: how many primitives; inner: 0, and later above the lowest bits choices (forest.h)
 } sagi_binary_node;
+
+// How many primitives a leaf has; 0 for an inner node.
+static inline uint32_t sagi_binary_leaf_count(const sagi_binary_node *n) { return n->count & 15; }
 
 // A range of primitives that is to become the subtree at `node`.
 typedef struct sagi_range {
@@ -98,9 +102,10 @@ void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 // Nodes for the whole range below `range`, on the calling thread.
 void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *nodes, sagi_range range);
 
-// The eight-wide tree of a binary one whose root is nodes[0].
+// The eight-wide tree of a binary one whose root is nodes[0] and whose numbers are below `end`. Changes the
+// inner nodes' counts. SAG_ERROR_MEMORY leaves *tree alone.
 sag_status sagi_bvh_collapse(const sag_context *context, const sagi_leaf_maker *maker,
-                             const sagi_binary_node *nodes, const sagi_bvh_primitive *primitives,
+                             sagi_binary_node *nodes, uint32_t end, const sagi_bvh_primitive *primitives,
                              sagi_bvh *tree);
 
 // sagi_bvh_build of the other qualities (fast.c).

@@ -210,7 +210,7 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
         sagi_range range = {.count = count};
         measure_all(&b, &range);
         build_binary(&b, range);
-        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, primitives, tree);
+        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * count, primitives, tree);
     }
     release(&b, count);
     return status;

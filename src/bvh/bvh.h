@@ -3,8 +3,8 @@
 //
 // Building goes in two steps: a binary tree, by the binned surface area heuristic (binary.c, split.c) or, for
 // the fast quality, by clustering along a curve (fast.c, morton.c, ploc.c, loose.c), which is then collapsed
-// to nodes of eight children (collapse.c). The tree depends on the primitives and their order alone, not on
-// the number of threads.
+// to nodes of eight children as cheaply as can be (forest.c, collapse.c). The tree depends on the primitives
+// and their order alone, not on the number of threads.
 #ifndef SAGI_BVH_BVH_H
 #define SAGI_BVH_BVH_H
 
@@ -57,13 +57,21 @@ typedef struct sagi_bvh {
     uint32_t node_count, node_capacity; // equal once built
     uint32_t unit_count;                // of leaves
     uint32_t leaf_count;
-    uint32_t depth;     // levels of nodes
+    uint32_t depth; // levels of nodes
+    float sah;      // what a ray that meets the box costs on average, a visit of a node being 1 (forest.c)
     sagi_float_box box; // of everything; empty for an empty tree
 } sagi_bvh;
 
-// Who knows what primitives are. Both are called from several threads.
+// What testing a leaf of n primitives costs, a visit of a node being 1: all + n · each.
+typedef struct sagi_leaf_cost {
+    float all, each;
+} sagi_leaf_cost;
+
+// Who knows what primitives are. All are called from several threads.
 typedef struct sagi_leaf_maker {
     const void *user;
+    // The cost of a leaf of this geometry.
+    sagi_leaf_cost (*cost)(const void *user, uint32_t geometry);
     // How many units the leaf over these primitives takes, 1 to SAGI_BVH_MAX_LEAF of them.
     uint32_t (*units)(const void *user, const sagi_bvh_primitive *primitives, uint32_t count);
     // Writes all of these units.

@@ -1,110 +1,211 @@
 // SPDX-License-Identifier: MIT
-// From two children to eight: a wide node takes a binary node's two children and then, as long as there is
-// room, puts the two children of the largest inner one in its place. The largest is the one most rays would
-// have opened anyway (Wald, Benthin & Boulos, "Getting Rid of Packets", 2008).
-#include "bvh/binary.h"
+// From two children to eight, once it is decided how (forest.c): nodes and leaves are numbered and written.
+//
+// Each of a wide node's children is a wide node or a leaf. Siblings stand side by side, and so do their
+// leaves, in the order of the binary tree. The top of the tree is written first; what hangs below it are
+// subtrees of a fixed size at most, each with a range of nodes and units of its own, which all threads count
+// first and then write. So every byte is where it is for any number of threads.
+#include "bvh/forest.h"
 #include <string.h>
 
-// The children of a wide node, as numbers of binary nodes.
+#define TASK 16384u // binary nodes (by their numbers) below which a subtree is one thread's
+
+// The children of a wide node.
 typedef struct family {
     int count;
-    uint32_t member[SAGI_BVH_WIDTH];
+    sagi_subtree member[SAGI_BVH_WIDTH];
 } family;
 
-static family gather(const sagi_binary_node *nodes, uint32_t root) {
-    family f = {1, {root}};
-    while (f.count < SAGI_BVH_WIDTH) {
-        int largest = -1;
-        float area = -1;
-        for (int i = 0; i < f.count; i++) {
-            const sagi_binary_node *n = &nodes[f.member[i]];
-            float a = sagi_float_box_half_area(&n->box);
-            if (n->count == 0 && a > area) largest = i, area = a;
+// Follows the choices: a forest of `trees` under a node is one tree, or two forests side by side.
+static family gather(const sagi_binary_node *nodes, sagi_subtree root) {
+    struct {
+        sagi_subtree at;
+        uint32_t trees;
+    } stack[SAGI_BVH_WIDTH];
+    int waiting = 0;
+    family f = {0};
+    uint32_t trees = sagi_forest_is_leaf(&nodes[root.root]) ? 1 : SAGI_BVH_WIDTH;
+    for (sagi_subtree at = root;;) {
+        const sagi_binary_node *n = &nodes[at.root];
+        uint32_t left = sagi_binary_leaf_count(n) > 0 ? 0 : sagi_forest_left(n, trees);
+        if (left > 0) {
+            stack[waiting].at = (sagi_subtree){n->link, at.end};
+            stack[waiting++].trees = trees - left;
+            at = (sagi_subtree){at.root + 1, n->link};
+            trees = left;
+            continue;
         }
-        if (largest < 0) break;
-        uint32_t opened = f.member[largest];
-        f.member[largest] = opened + 1;
-        f.member[f.count++] = nodes[opened].link;
+        f.member[f.count++] = at;
+        if (waiting == 0) return f;
+        at = stack[--waiting].at;
+        trees = stack[waiting].trees;
     }
-    return f;
+}
+
+// The primitives of a leaf, which may stand in several leaves of the binary tree. Spatial splits put a
+// primitive into several; here it is needed once.
+static uint32_t gather_leaf(const sagi_binary_node *nodes, const sagi_bvh_primitive *primitives,
+                            uint32_t root, sagi_bvh_primitive found[SAGI_BVH_MAX_LEAF]) {
+    uint32_t stack[SAGI_BVH_MAX_LEAF], count = 0;
+    int waiting = 0;
+    for (uint32_t at = root;;) {
+        const sagi_binary_node *n = &nodes[at];
+        uint32_t here = sagi_binary_leaf_count(n);
+        if (here == 0) {
+            stack[waiting++] = n->link;
+            at++;
+            continue;
+        }
+        for (uint32_t i = 0; i < here; i++) {
+            const sagi_bvh_primitive *p = &primitives[n->link + i];
+            uint32_t k = 0;
+            while (k < count && (found[k].primitive != p->primitive || found[k].geometry != p->geometry)) k++;
+            if (k == count) found[count++] = *p;
+        }
+        if (waiting == 0) return count;
+        at = stack[--waiting];
+    }
 }
 
 // A binary node that becomes the wide node `wide`, `level` levels down.
 typedef struct job {
-    uint32_t binary, wide, level;
+    sagi_subtree binary;
+    uint32_t wide, level;
 } job;
 
-// How many wide nodes, leaves and units there will be, and the levels. Counting first costs a walk over the
-// tree and spares reallocation: the memory asked for is the memory used.
-static void count_nodes(const sagi_leaf_maker *maker, const sagi_binary_node *nodes,
-                        const sagi_bvh_primitive *primitives, sagi_bvh *tree) {
-    job stack[SAGI_BVH_STACK_SIZE];
-    int waiting = 0;
-    stack[waiting++] = (job){0, 0, 1};
-    while (waiting > 0) {
-        job j = stack[--waiting];
-        family f = gather(nodes, j.binary);
-        tree->node_capacity++;
-        if (j.level > tree->depth) tree->depth = j.level;
-        for (int i = 0; i < f.count; i++) {
-            const sagi_binary_node *n = &nodes[f.member[i]];
-            if (n->count == 0) {
-                stack[waiting++] = (job){f.member[i], 0, j.level + 1};
-            } else {
-                tree->leaf_count++;
-                tree->unit_count += maker->units(maker->user, primitives + n->link, n->count);
-            }
+// Numbers nodes and units, and writes them when the tree has memory for them.
+typedef struct writer {
+    const sagi_leaf_maker *maker;
+    const sagi_binary_node *nodes;
+    const sagi_bvh_primitive *primitives;
+    const sagi_bvh *tree;
+    uint32_t next_node, next_unit; // free ones
+    uint32_t leaf_count, depth;
+} writer;
+
+static void write_box(sagi_bvh_node *node, int i, const sagi_float_box *box) {
+    for (int k = 0; k < 3; k++) node->plane[k][i] = box->lo[k], node->plane[3 + k][i] = box->hi[k];
+}
+
+static uint32_t take_leaf(writer *w, uint32_t root) {
+    sagi_bvh_primitive found[SAGI_BVH_MAX_LEAF];
+    uint32_t count = gather_leaf(w->nodes, w->primitives, root, found), at = w->next_unit;
+    w->next_unit += w->maker->units(w->maker->user, found, count);
+    w->leaf_count++;
+    if (w->tree->leaves != NULL)
+        w->maker->write(w->maker->user, found, count, w->tree->leaves + at * SAGI_BVH_UNIT);
+    return SAGI_BVH_LEAF | at;
+}
+
+// One wide node. Its children's jobs are written to jobs[]; returns how many.
+static int take_node(writer *w, job j, job jobs[SAGI_BVH_WIDTH]) {
+    family f = gather(w->nodes, j.binary);
+    sagi_bvh_node node = {.child = {0}};
+    int count = 0;
+    if (j.level > w->depth) w->depth = j.level;
+    for (int i = 0; i < f.count; i++) {
+        const sagi_binary_node *from = &w->nodes[f.member[i].root];
+        write_box(&node, i, &from->box);
+        if (sagi_forest_is_leaf(from)) {
+            node.child[i] = take_leaf(w, f.member[i].root);
+        } else {
+            node.child[i] = w->next_node++;
+            jobs[count++] = (job){f.member[i], node.child[i], j.level + 1};
         }
+    }
+    const sagi_float_box none = sagi_float_box_empty();
+    for (int i = f.count; i < SAGI_BVH_WIDTH; i++) write_box(&node, i, &none);
+    if (w->tree->nodes != NULL) w->tree->nodes[j.wide] = node;
+    return count;
+}
+
+// Everything below a job.
+static void take_all(writer *w, job first) {
+    job stack[SAGI_BVH_STACK_SIZE + 1] = {first};
+    for (int waiting = 1; waiting > 0;) {
+        job j = stack[--waiting];
+        waiting += take_node(w, j, stack + waiting);
     }
 }
 
-static void write_box(sagi_bvh_node *node, int i, const sagi_binary_node *from) {
-    for (int k = 0; k < 3; k++) {
-        node->plane[k][i] = from ? from->box.lo[k] : INFINITY;
-        node->plane[3 + k][i] = from ? from->box.hi[k] : -INFINITY;
+// The tree's top down to the tasks, which are written to tasks[] unless that is NULL; returns how many.
+static uint32_t take_top(writer *w, uint32_t end, job *tasks) {
+    job stack[SAGI_BVH_STACK_SIZE + 1] = {{{0, end}, w->next_node++, 1}};
+    uint32_t task_count = 0;
+    for (int waiting = 1; waiting > 0;) {
+        job j = stack[--waiting];
+        if (j.binary.end - j.binary.root > TASK) {
+            waiting += take_node(w, j, stack + waiting);
+            continue;
+        }
+        if (tasks != NULL) tasks[task_count] = j;
+        task_count++;
     }
-    node->child[i] = 0;
+    return task_count;
 }
 
-static void write_nodes(const sagi_leaf_maker *maker, const sagi_binary_node *nodes,
-                        const sagi_bvh_primitive *primitives, sagi_bvh *tree) {
-    job stack[SAGI_BVH_STACK_SIZE];
-    int waiting = 0;
-    uint32_t units = 0;
-    stack[waiting++] = (job){0, tree->node_count++, 1};
-    while (waiting > 0) {
-        job j = stack[--waiting];
-        family f = gather(nodes, j.binary);
-        sagi_bvh_node *node = &tree->nodes[j.wide];
-        for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
-            const sagi_binary_node *from = i < f.count ? &nodes[f.member[i]] : NULL;
-            write_box(node, i, from);
-            if (from == NULL) continue;
-            if (from->count > 0) {
-                const sagi_bvh_primitive *first = primitives + from->link;
-                node->child[i] = SAGI_BVH_LEAF | units;
-                maker->write(maker->user, first, from->count, tree->leaves + units * SAGI_BVH_UNIT);
-                units += maker->units(maker->user, first, from->count);
-            } else {
-                node->child[i] = tree->node_count++; // siblings stand side by side
-                stack[waiting++] = (job){f.member[i], node->child[i], j.level + 1};
-            }
-        }
+typedef struct collapse {
+    writer start; // as every task's begins, but for the numbers
+    job *tasks;
+    writer *writers; // one a task: first what it counted, then where its own begin
+    uint32_t task_count;
+} collapse;
+
+static void run_task(void *argument, size_t index) {
+    collapse *c = argument;
+    take_all(&c->writers[index], c->tasks[index]);
+}
+
+static sag_status allocate_tree(const sag_context *context, sagi_bvh *tree) {
+    tree->nodes = sag_allocate(context, tree->node_capacity * sizeof *tree->nodes);
+    tree->leaves = sag_allocate(context, tree->unit_count * SAGI_BVH_UNIT);
+    if (tree->nodes != NULL && tree->leaves != NULL) return SAG_OK;
+    sagi_bvh_release(context, tree);
+    return SAG_ERROR_MEMORY;
+}
+
+// Counts, allocates, writes. `top` has counted the top.
+static sag_status take_tasks(const sag_context *context, collapse *c, uint32_t end, const writer *top,
+                             sagi_bvh *tree) {
+    writer w = c->start;
+    take_top(&w, end, c->tasks);
+    for (uint32_t i = 0; i < c->task_count; i++) c->writers[i] = c->start;
+    sag_parallel_for(context, c->task_count, run_task, c);
+    uint32_t node = top->next_node, unit = top->next_unit;
+    tree->leaf_count = top->leaf_count, tree->depth = top->depth;
+    for (uint32_t i = 0; i < c->task_count; i++) {
+        writer counted = c->writers[i];
+        c->writers[i] = c->start;
+        c->writers[i].next_node = node, c->writers[i].next_unit = unit;
+        node += counted.next_node, unit += counted.next_unit;
+        tree->leaf_count += counted.leaf_count;
+        if (counted.depth > tree->depth) tree->depth = counted.depth;
     }
+    tree->node_count = tree->node_capacity = node, tree->unit_count = unit;
+    sag_status status = allocate_tree(context, tree);
+    if (status != SAG_OK) return status;
+    w = c->start;
+    take_top(&w, end, NULL);
+    sag_parallel_for(context, c->task_count, run_task, c);
+    return SAG_OK;
 }
 
 sag_status sagi_bvh_collapse(const sag_context *context, const sagi_leaf_maker *maker,
-                             const sagi_binary_node *nodes, const sagi_bvh_primitive *primitives,
+                             sagi_binary_node *nodes, uint32_t end, const sagi_bvh_primitive *primitives,
                              sagi_bvh *tree) {
     sagi_bvh made = {.box = nodes[0].box};
-    count_nodes(maker, nodes, primitives, &made);
-    made.nodes = sag_allocate(context, made.node_capacity * sizeof *made.nodes);
-    made.leaves = sag_allocate(context, made.unit_count * SAGI_BVH_UNIT);
-    if (made.nodes == NULL || made.leaves == NULL) {
-        sagi_bvh_release(context, &made);
-        return SAG_ERROR_MEMORY;
-    }
-    write_nodes(maker, nodes, primitives, &made);
-    *tree = made;
-    return SAG_OK;
+    sag_status status = sagi_forest_decide(context, maker, primitives, nodes, end, &made.sah);
+    if (status != SAG_OK) return status;
+    collapse c = {.start = {.maker = maker, .nodes = nodes, .primitives = primitives, .tree = &made}};
+    writer top = c.start;
+    c.task_count = take_top(&top, end, NULL);
+    c.tasks = sag_allocate(context, c.task_count * sizeof *c.tasks);
+    c.writers = sag_allocate(context, c.task_count * sizeof *c.writers);
+    status = SAG_ERROR_MEMORY;
+    if (c.task_count == 0 || (c.tasks != NULL && c.writers != NULL))
+        status = take_tasks(context, &c, end, &top, &made);
+    sag_release(context, c.tasks, c.task_count * sizeof *c.tasks);
+    sag_release(context, c.writers, c.task_count * sizeof *c.writers);
+    if (status == SAG_OK) *tree = made;
+    return status;
 }

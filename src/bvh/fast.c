@@ -164,7 +164,8 @@ sag_status sagi_bvh_build_fast(const sag_context *context, const sagi_bvh_option
                                sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
     builder b = {.context = context, .primitives = primitives, .tree.count = count};
     sag_status status = allocate(&b, count) ? build(&b, count) : SAG_ERROR_MEMORY;
-    if (status == SAG_OK) status = sagi_bvh_collapse(context, &options->leaves, b.nodes, primitives, tree);
+    if (status == SAG_OK)
+        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * count, primitives, tree);
     release(&b, count);
     return status;
 }

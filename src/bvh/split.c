@@ -2,19 +2,18 @@
 // Where to cut a range of primitives in two.
 //
 // The surface area heuristic: a random ray that meets a convex box meets a convex box inside it with
-// probability area(inside)/area(outside). So a node split into L and R costs
-//     SPLIT_COST · A + TEST_COST · (n_L A_L + n_R A_R)
-// against TEST_COST · n · A for a leaf, A being areas and the children taken for leaves (MacDonald & Booth,
-// "Heuristics for Ray Tracing Using Space Subdivision", 1990). Only cuts between equal bins of the centroids'
-// extent are tried (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007).
+// probability area(inside)/area(outside). So a node split into L and R costs, but for a constant,
+//     n_L A_L + n_R A_R,
+// A being areas and the children taken for leaves (MacDonald & Booth, "Heuristics for Ray Tracing Using Space
+// Subdivision", 1990). Splitting goes on down to single primitives; which of them form a leaf together is
+// decided afterwards, when everything above and below is known (forest.c). Only cuts between equal bins of
+// the centroids' extent are tried (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies",
+// 2007).
 //
 // Bins hold minima, maxima and counts. All three are the same in whatever order primitives are added, so a
 // range may be binned in pieces by several threads and merged: the tree does not depend on their number.
 #include "bvh/binary.h"
 #include <string.h>
-
-#define SPLIT_COST 1.0f // of a binary split: in the eight-wide tree about one box more
-#define TEST_COST  1.0f
 
 // A range's primitives stop being worth 16 bins when they are few.
 static int bin_count(uint32_t count) { return count > 24 ? SAGI_MAX_BINS : 8; }
@@ -62,8 +61,14 @@ void sagi_bins_merge(sagi_bins *bins, const sagi_bins *other) {
                    other->held[axis][b]);
 }
 
+// Half the surface of the box, thickened a little: what is flat or straight is still cut where it is best.
+static float area_of(const sagi_float_box *box, float thickness) {
+    float x = box->hi[0] - box->lo[0], y = box->hi[1] - box->lo[1], z = box->hi[2] - box->lo[2];
+    return x * y + y * z + z * x + thickness * (x + y + z);
+}
+
 // Boxes and counts of everything right of each cut, then from the left the cheapest cut.
-static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, sagi_split *best,
+static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, float thickness, sagi_split *best,
                            float *best_cost) {
     sagi_float_box right[SAGI_MAX_BINS], box = sagi_float_box_empty();
     uint32_t right_count[SAGI_MAX_BINS], count = 0;
@@ -76,8 +81,8 @@ static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, sagi_
         sagi_float_box_extend(&box, bins->lo[axis][b - 1], bins->hi[axis][b - 1]);
         count += bins->held[axis][b - 1];
         if (count == 0 || right_count[b] == 0 || count > most || right_count[b] > most) continue;
-        float cost = (float)count * sagi_float_box_half_area(&box) +
-                     (float)right_count[b] * sagi_float_box_half_area(&right[b]);
+        float cost =
+            (float)count * area_of(&box, thickness) + (float)right_count[b] * area_of(&right[b], thickness);
         if (cost < *best_cost) {
             *best_cost = cost;
             *best = (sagi_split){.verdict = SAGI_SPLIT,
@@ -93,13 +98,14 @@ static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, sagi_
 }
 
 sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
-    bool fits = range->count <= SAGI_BVH_MAX_LEAF;
-    sagi_split best = {.verdict = fits ? SAGI_MAKE_LEAF : SAGI_HALVE};
-    float area = sagi_float_box_half_area(&range->box), best_cost = INFINITY;
-    if (fits) best_cost = (TEST_COST * (float)range->count - SPLIT_COST) * area / TEST_COST;
+    sagi_split best = {.verdict = range->depth == SAGI_BVH_MAX_DEPTH ? SAGI_MAKE_LEAF : SAGI_HALVE};
+    if (best.verdict == SAGI_MAKE_LEAF) return best;
+    float best_cost = INFINITY, size = 0;
+    for (int axis = 0; axis < 3; axis++)
+        size = sagi_float_max(size, range->box.hi[axis] - range->box.lo[axis]);
     uint64_t most = sagi_depth_allows(range->depth + 1);
     for (int axis = 0; axis < 3; axis++)
-        if (bins->scale[axis] > 0) choose_on_axis(bins, axis, most, &best, &best_cost);
+        if (bins->scale[axis] > 0) choose_on_axis(bins, axis, most, 0x1p-16f * size, &best, &best_cost);
     return best;
 }
 

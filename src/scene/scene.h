@@ -65,6 +65,7 @@ void sagi_snapshot_release(sagi_snapshot *snapshot); // NULL does nothing
 sag_status sagi_snapshot_build(sagi_snapshot *snapshot);
 
 // The makers of leaves (leaves.c); `snapshot` has its units and items.
+sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry);
 uint32_t sagi_leaf_units(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count);
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
 

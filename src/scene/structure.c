@@ -202,7 +202,8 @@ static sag_status build(work *w) {
     sag_status status = SAG_ERROR_MEMORY;
     if ((w->good == 0 || w->primitives != NULL) && (s->unbounded_capacity == 0 || s->unbounded != NULL)) {
         sag_parallel_for(context, w->chunk_count, write_boxes, w);
-        sagi_bvh_options options = {.quality = s->quality, .leaves = {s, sagi_leaf_units, sagi_leaf_write}};
+        sagi_bvh_options options = {.quality = s->quality,
+                                    .leaves = {s, sagi_leaf_price, sagi_leaf_units, sagi_leaf_write}};
         status = sagi_bvh_build(context, &options, w->primitives, (uint32_t)w->good, &s->world.tree);
     }
     sag_release(context, w->primitives, bytes);
@@ -223,6 +224,7 @@ sag_status sagi_snapshot_build(sagi_snapshot *s) {
     s->stats.node_count = s->world.tree.node_count;
     s->stats.leaf_count = s->world.tree.leaf_count;
     s->stats.depth = s->world.tree.depth;
+    s->stats.sah = (double)s->world.tree.sah;
     s->stats.structure_bytes = sagi_bvh_bytes(&s->world.tree) + s->unbounded_capacity * sizeof *s->unbounded;
     return status;
 }
