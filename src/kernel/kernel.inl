@@ -14,6 +14,11 @@
 #include "shapes/spheres.h"
 #include "shapes/user.h"
 
+// What a count of the kernel's steps hooks into (bench/); nothing in the library.
+#ifndef SAGI_KERNEL_COUNT
+#define SAGI_KERNEL_COUNT(what) ((void)0)
+#endif
+
 typedef enum question { CLOSEST, ANY, ALL } question;
 
 // What is asked, and the answer so far.
@@ -26,13 +31,48 @@ typedef struct search {
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
 } search;
 
+// A certain hit that waits (triangles.inl).
+typedef struct candidate {
+    const sagi_triangle_block *block;
+    uint32_t lane;
+    float earliest; // in τ
+} candidate;
+#define MAX_CANDIDATES 4
+
 // The ray in one world's space.
 typedef struct level {
     const sagi_world *world;
+    search *search;
     sag_ray ray; // its mask is never 0; for CLOSEST t_max is the best t so far
     sagi_triangle_ray triangle_ray;
-    search *search;
+    sagi_float_ray tree_ray;
+    bool in_tree; // tree_ray is there
+    float limit;  // what begins at a later τ does not matter
+    uint32_t candidate_count;
+    candidate candidates[MAX_CANDIDATES];
 } level;
+
+static inline level enter(const sagi_world *world, const sag_ray *ray, search *s) {
+    level here;
+    here.world = world, here.search = s;
+    here.ray = *ray, here.triangle_ray = sagi_triangle_prepare(ray);
+    if (here.ray.mask == 0) here.ray.mask = UINT32_MAX;
+    here.in_tree = false, here.limit = INFINITY, here.candidate_count = 0;
+    return here;
+}
+
+static inline void lower_t_max(level *here, double t) {
+    here->ray.t_max = here->triangle_ray.t_max = t;
+    if (here->in_tree) {
+        float limit = sagi_float_ray_limit(&here->tree_ray, t);
+        here->limit = sagi_float_min(here->limit, limit);
+    }
+}
+
+// Whether the ray sees the geometry.
+static inline bool sees(const level *here, const sagi_item *item) {
+    return (here->ray.mask & item->mask) != 0;
+}
 
 // Takes note of a hit in the ray's range; true when the search is over. With t and the ids only: most hits
 // are not the best.
@@ -49,7 +89,7 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
         sagi_collector_add(&s->collector, &hit);
     } else if (!s->found || sagi_hit_before(&hit, s->best)) {
         *s->best = hit, s->found = true;
-        here->ray.t_max = here->triangle_ray.t_max = t;
+        lower_t_max(here, t);
     }
     return false;
 }
@@ -58,91 +98,91 @@ static bool walk_closest(level *here);
 static bool walk_any(level *here);
 static bool walk_all(level *here);
 
+#include "kernel/triangles.inl"
+
 #include "kernel/leaf.inl"
 
-// A node or leaf that waits, with where it begins at the earliest.
-typedef struct waiting {
-    float begin;
-    uint32_t child;
-} waiting;
+// A node or leaf that waits: where it begins at the earliest, as the bits of a float that is not negative,
+// and below them the child's number. As whole numbers they are ordered by their beginnings.
+typedef uint64_t waiting;
 
-// The children that the ray meets before `limit`, with their beginnings. The loops without branches become
-// vector instructions.
-static inline uint32_t meet_children(const sagi_bvh_node *node, const sagi_float_ray *r, float limit,
-                                     float begin[8]) {
-    const float *near_x = node->plane[r->near_plane[0]], *far_x = node->plane[r->far_plane[0]];
-    const float *near_y = node->plane[r->near_plane[1]], *far_y = node->plane[r->far_plane[1]];
-    const float *near_z = node->plane[r->near_plane[2]], *far_z = node->plane[r->far_plane[2]];
-    float end[8];
-    for (int i = 0; i < 8; i++) {
-        float x = near_x[i] * r->near_scale[0] + r->near_add[0];
-        float y = near_y[i] * r->near_scale[1] + r->near_add[1];
-        float z = near_z[i] * r->near_scale[2] + r->near_add[2];
-        begin[i] = sagi_float_max(sagi_float_max(x, y), sagi_float_max(z, 0));
-        x = far_x[i] * r->far_scale[0] + r->far_add[0];
-        y = far_y[i] * r->far_scale[1] + r->far_add[1];
-        z = far_z[i] * r->far_scale[2] + r->far_add[2];
-        end[i] = sagi_float_min(sagi_float_min(x, y), sagi_float_min(z, limit));
-    }
-    uint32_t met = 0;
-    for (int i = 0; i < 8; i++) met |= (uint32_t)(begin[i] <= end[i]) << i;
-    return met;
+SAGI_INLINE float begin_of(waiting w) {
+    union {
+        uint32_t bits;
+        float value;
+    } u = {(uint32_t)(w >> 32)};
+    return u.value;
 }
 
-// Puts the children met on the stack, for CLOSEST the nearest on top. Returns the new height.
-static inline int push_children(question asked, waiting *stack, int height, const sagi_bvh_node *node,
-                                uint32_t met, const float begin[8]) {
-    int base = height;
-    for (int i = 0; met != 0; i++, met >>= 1) {
-        if ((met & 1) == 0) continue;
-        int place = height++;
-        if (asked == CLOSEST)
-            for (; place > base && stack[place - 1].begin < begin[i]; place--)
-                stack[place] = stack[place - 1];
-        stack[place] = (waiting){begin[i], node->child[i]};
+// One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
+// handed back; the others go on the stack. False when there is none.
+SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const sagi_float_ray *r, float limit,
+                      waiting *stack, int *height, waiting *next) {
+    const char *at = (const char *)node;
+    sagi_f8 begin = sagi_f8_fill(0), end = sagi_f8_fill(limit);
+    for (int k = 0; k < 3; k++) {
+        begin = sagi_f8_max(sagi_f8_fma(sagi_f8_load(at + r->near_at[k]), sagi_f8_fill(r->near_scale[k]),
+                                        sagi_f8_fill(r->near_add[k])),
+                            begin);
+        end = sagi_f8_min(sagi_f8_fma(sagi_f8_load(at + r->far_at[k]), sagi_f8_fill(r->far_scale[k]),
+                                      sagi_f8_fill(r->far_add[k])),
+                          end);
     }
-    return height;
+    SAGI_KERNEL_COUNT(nodes);
+    sagi_i8 met = begin <= end;
+    uint32_t lane, mask;
+    if (asked == CLOSEST) {
+        // The lane's number takes the place of the last three bits of where it begins, which only moves the
+        // beginning forward; what is not met comes last.
+        const sagi_i8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
+        sagi_i8 key = (sagi_f8_bits(begin) & ~7) | numbers;
+        int32_t least = sagi_i8_least((met & key) | (~met & INT32_MAX));
+        mask = sagi_i8_mask(met);
+        if (mask == 0) return false;
+        lane = (uint32_t)least & 7;
+        *next = (uint64_t)((uint32_t)least & ~7U) << 32 | node->child[lane];
+    } else {
+        mask = sagi_i8_mask(met);
+        if (mask == 0) return false;
+        lane = (uint32_t)__builtin_ctz(mask);
+        *next = (uint64_t)(uint32_t)sagi_f8_bits(begin)[lane] << 32 | node->child[lane];
+    }
+    *height += sagi_append_pairs(stack + *height, mask & ~(1U << lane), sagi_f8_bits(begin),
+                                 sagi_i8_load(node->child));
+    return true;
 }
 
 // True when the search is over.
-static inline bool walk(question asked, level *here) {
+SAGI_INLINE bool walk(question asked, level *here) {
     const sagi_world *world = here->world;
     if (list(asked, here, world->unbounded, world->unbounded_count)) return true;
-    sagi_float_ray ray;
-    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, &here->ray, &ray)) return false;
-    double best = here->ray.t_max;
-    float limit = sagi_float_ray_limit(&ray, best);
-    waiting stack[SAGI_BVH_STACK_SIZE];
+    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, &here->ray, &here->tree_ray)) return false;
+    here->in_tree = true;
+    here->limit = sagi_float_ray_limit(&here->tree_ray, here->ray.t_max);
+    waiting stack[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH]; // eight are written at a time, however few are met
     int height = 0;
-    stack[height++] = (waiting){0, 0};
-    while (height > 0) {
-        waiting next = stack[--height];
-        if (next.begin > limit) continue;
-        if ((next.child & SAGI_BVH_LEAF) == 0) {
-            float begin[8];
-            const sagi_bvh_node *node = &world->tree.nodes[next.child];
-            uint32_t met = meet_children(node, &ray, limit, begin);
-            height = push_children(asked, stack, height, node, met, begin);
-            continue;
+    waiting next = 0; // the root
+    for (;;) {
+        if (((uint32_t)next & SAGI_BVH_LEAF) == 0) {
+            if (step(asked, &world->tree.nodes[(uint32_t)next], &here->tree_ray, here->limit, stack, &height,
+                     &next))
+                continue;
+        } else if (leaf(asked, here, sagi_leaf(&world->tree, (uint32_t)next), begin_of(next))) {
+            return true;
         }
-        if (leaf(asked, here, sagi_leaf(&world->tree, next.child))) return true;
-        if (asked == CLOSEST && here->ray.t_max < best) {
-            best = here->ray.t_max;
-            limit = sagi_float_ray_limit(&ray, best);
-        }
+        do {
+            if (height == 0) {
+                if (asked == CLOSEST) settle(here);
+                return false;
+            }
+            next = stack[--height];
+        } while (asked == CLOSEST && begin_of(next) > here->limit);
     }
-    return false;
 }
 
 static bool walk_closest(level *here) { return walk(CLOSEST, here); }
 static bool walk_any(level *here) { return walk(ANY, here); }
 static bool walk_all(level *here) { return walk(ALL, here); }
-
-static level enter(const sagi_world *world, const sag_ray *ray, search *s) {
-    level here = {.world = world, .ray = *ray, .triangle_ray = sagi_triangle_prepare(ray), .search = s};
-    if (here.ray.mask == 0) here.ray.mask = UINT32_MAX;
-    return here;
-}
 
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     sag_hit best;

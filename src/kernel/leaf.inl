@@ -4,40 +4,11 @@
 // The switch below is the second of the two places that list the shapes (the first is src/shapes/table.c). It
 // has no default, so the compiler names a kind that is missing.
 
-// Whether the ray sees the geometry.
-static inline bool sees(const level *here, const sagi_item *item) {
-    return (here->ray.mask & item->mask) != 0;
-}
-
-// One triangle. A mesh whose transform mirrors it has its vertices where they stand, but the sense of
-// rotation that says which side is the front is the one before: the second and third vertex change places,
-// and so do their weights in the hit.
-static inline bool triangle(question asked, level *here, const sagi_item *item, sagi_bvh_reference r) {
-    const sag_mesh *mesh = item->shape;
-    const bool one_sided = mesh->one_sided && !here->search->both_sides;
-    const uint32_t *corner = mesh->triangles + 3 * (size_t)r.primitive;
-    sag_vec3 a = sagi_mesh_vertex(mesh, corner[0]);
-    sag_vec3 b = sagi_mesh_vertex(mesh, corner[item->mirrored ? 2 : 1]);
-    sag_vec3 c = sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2]);
-    double t, u, v;
-    if (!sagi_triangle_hit(&here->triangle_ray, &a, &b, &c, one_sided, &t, &u, &v)) return false;
-    return accept(asked, here, r.geometry, r.primitive, t, item->mirrored ? v : u, item->mirrored ? u : v);
-}
-
 static inline bool mesh_run(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const sagi_item *item = &here->world->items[refs[i].geometry];
         if (sees(here, item) && triangle(asked, here, item, refs[i])) return true;
     }
-    return false;
-}
-
-static inline bool triangle_block(question asked, level *here, const sagi_triangle_block *block) {
-    const sagi_item *item = &here->world->items[block->head.geometry];
-    if (!sees(here, item)) return false;
-    for (uint32_t i = 0; i < block->head.count; i++)
-        if (triangle(asked, here, item, (sagi_bvh_reference){block->head.geometry, block->primitive[i]}))
-            return true;
     return false;
 }
 
@@ -119,14 +90,14 @@ static inline bool instance_run(question asked, level *here, const sagi_bvh_refe
         local_ray at = {.item = NULL};
         const sag_ray *ray = sees(here, item) ? local(here, item, &at) : NULL;
         if (ray == NULL) continue;
-        level below = {item->child, *ray, sagi_triangle_prepare(ray), s};
+        level below = enter(item->child, ray, s);
         s->path[s->path_length++] = refs[i].geometry;
         bool over = asked == CLOSEST ? walk_closest(&below)
                     : asked == ANY   ? walk_any(&below)
                                      : walk_all(&below);
         s->path_length--;
         if (over) return true;
-        here->ray.t_max = here->triangle_ray.t_max = below.ray.t_max;
+        lower_t_max(here, below.ray.t_max);
     }
     return false;
 }
@@ -206,7 +177,11 @@ static inline bool list(question asked, level *here, const sagi_bvh_reference *r
     return false;
 }
 
-static inline bool leaf(question asked, level *here, const sagi_block *block) {
-    if (block->kind == SAGI_BLOCK_TRIANGLES) return triangle_block(asked, here, (const void *)block);
+// A leaf of the tree that the ray meets at τ = begin at the earliest. Shapes are asked with the t_max that is
+// known by then.
+static inline bool leaf(question asked, level *here, const sagi_block *block, float begin) {
+    if (block->kind == SAGI_BLOCK_TRIANGLES)
+        return triangle_block(asked, here, (const sagi_triangle_block *)(const void *)block, begin);
+    if (asked == CLOSEST) settle(here);
     return list(asked, here, ((const sagi_reference_block *)(const void *)block)->reference, block->count);
 }

@@ -36,17 +36,32 @@
 // The far end. t·2ᵉ⁻ᵏ − τ₀ is rounded up to float, after adding 2⁻⁴⁸ of both terms for the rounding of the
 // difference and because a shape's t may be 4 ulp from the true one: a box that holds a hit at the best t
 // must not be lost, for the order among equal t decides.
+//
+// Blocks of triangles (triangles.inl) take P and D themselves. `error` bounds what P, points P + τD that are
+// calculated in double within the box of everything, and times, their rounding by shapes included, can be
+// off by: δ, and 2⁻⁴⁹ of every number that takes part.
+//
+// Most rays have no small Dᵢ and are of ordinary length. For them all this is done for the three coordinates
+// at once; the others take the careful way, coordinate by coordinate.
 #ifndef SAGI_KERNEL_RAY_H
 #define SAGI_KERNEL_RAY_H
 
+#include "kernel/simd.h"
 #include "kernel/world.h"
 #include <float.h>
+#include <math.h>
+#include <stddef.h>
 
+// Of three coordinates; the fourth place means nothing.
 typedef struct sagi_float_ray {
-    float near_scale[3], near_add[3]; // entry = plane · scale + add
-    float far_scale[3], far_add[3];   // exit
-    int near_plane[3], far_plane[3];  // which of a node's six planes
-    double unit[3], start;            // τ = t · unit[0] · unit[1] · unit[2] − start
+    sagi_f4 near_scale, near_add;   // entry = plane · scale + add
+    sagi_f4 far_scale, far_add;     // exit
+    uint32_t near_at[3], far_at[3]; // where in a node these planes stand, in bytes
+    float t_min, t_max;             // τ of the ray's t_min, a lower bound of τ of its t_max
+    sagi_f4 direction;              // D, rounded
+    sagi_d4 p, d;                   // P and D
+    double error;
+    double start, unit[3]; // τ = t · unit[0] · unit[1] · unit[2] − start
 } sagi_float_ray;
 
 static inline double power_of_two(int exponent) { // −1022 … 1023
@@ -56,6 +71,8 @@ static inline double power_of_two(int exponent) { // −1022 … 1023
     } u = {.bits = (uint64_t)(exponent + 1023) << 52};
     return u.value;
 }
+
+#define SAGI_PLANE_BYTES (SAGI_BVH_WIDTH * (uint32_t)sizeof(float))
 
 static inline double scaled_time(const sagi_float_ray *ray, double t) {
     return t * ray->unit[0] * ray->unit[1] * ray->unit[2];
@@ -68,12 +85,39 @@ static inline float sagi_float_ray_limit(const sagi_float_ray *ray, double t) {
     return (float)(limit * (1 + 0x1p-22));
 }
 
-// The entry's scale and addend for one coordinate with bounds that cull nothing, for a ray so far away (2¹⁰⁰
-// times the scene's size) that doubles say nothing about it.
-static inline void blind_axis(sagi_float_ray *out, int k) {
-    out->near_scale[k] = out->far_scale[k] = 1;
-    out->near_add[k] = -FLT_MAX, out->far_add[k] = FLT_MAX;
-    out->near_plane[k] = k, out->far_plane[k] = 3 + k;
+// A lower bound of τ at t.
+static inline float time_floor(const sagi_float_ray *ray, double t) {
+    double tau = scaled_time(ray, t);
+    if (isinf(tau)) return (float)tau;
+    double floor = (tau - ray->start) - 0x1p-48 * (fabs(tau) + fabs(ray->start)) - 0x1p-70;
+    return (float)(floor - fabs(floor) * 0x1p-22);
+}
+
+static inline double largest_of_three(sagi_d4 a) { return fmax(a[0], fmax(a[1], a[2])); }
+
+// What is left once P, D and everything per coordinate is there.
+static inline void finish(sagi_float_ray *out, const sag_ray *ray, double enter, double leave, double delta) {
+    out->start = enter;
+    // A t beyond the doubles, as very short directions have it, is no hit.
+    out->t_min = (float)(scaled_time(out, fmax(ray->t_min, -DBL_MAX)) - enter);
+    out->t_max = time_floor(out, fmin(ray->t_max, DBL_MAX));
+    out->direction = sagi_d4_to_f4(out->d);
+    out->error = delta + 0x1p-49 * (fabs(enter) + fabs(leave) + largest_of_three(sagi_d4_abs(out->p)) + 3);
+}
+
+// For a ray so far away (2¹⁰⁰ times the scene's size) that doubles say nothing about it: nothing is culled.
+static inline void make_blind(sagi_float_ray *out) {
+    for (int k = 0; k < 3; k++) {
+        out->near_scale[k] = out->far_scale[k] = 1;
+        out->near_add[k] = -FLT_MAX, out->far_add[k] = FLT_MAX;
+        out->near_at[k] = (uint32_t)k * SAGI_PLANE_BYTES,
+        out->far_at[k] = (uint32_t)(3 + k) * SAGI_PLANE_BYTES;
+    }
+    out->p = out->d = sagi_d4_fill(0);
+    out->direction = (sagi_f4){0, 0, 0, 0};
+    out->error = INFINITY;
+    out->t_min = -INFINITY, out->t_max = -INFINITY;
+    out->start = -INFINITY; // makes every limit infinite
 }
 
 static inline void set_axis(sagi_float_ray *out, int k, double p, double d, double error, double run) {
@@ -86,12 +130,13 @@ static inline void set_axis(sagi_float_ray *out, int k, double p, double d, doub
     double far_add = -p * far + (0x1p-22 * fabs(p * far) + reach);
     out->near_scale[k] = near, out->far_scale[k] = far;
     out->near_add[k] = (float)fmax(near_add, -FLT_MAX), out->far_add[k] = (float)fmin(far_add, FLT_MAX);
-    bool forward = !signbit(d);
-    out->near_plane[k] = forward ? k : 3 + k, out->far_plane[k] = forward ? 3 + k : k;
+    uint32_t lower = (uint32_t)k * SAGI_PLANE_BYTES, upper = (uint32_t)(3 + k) * SAGI_PLANE_BYTES;
+    out->near_at[k] = signbit(d) ? upper : lower, out->far_at[k] = signbit(d) ? lower : upper;
 }
 
 // Fills *out; false when the ray certainly misses everything in the tree, which is not empty.
-static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+static __attribute__((noinline)) bool make_carefully(const sagi_world *world, const sag_ray *ray,
+                                                     sagi_float_ray *out) {
     const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
     const double o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
     const double c[3] = {world->origin.x, world->origin.y, world->origin.z};
@@ -110,8 +155,7 @@ static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *r
     }
     spread = (spread * world->spread_relative + world->spread_absolute) * world->scale * 0x1p-50;
     if (!(fabs(q[0]) < 0x1p100 && fabs(q[1]) < 0x1p100 && fabs(q[2]) < 0x1p100 && spread < 0x1p100)) {
-        for (int k = 0; k < 3; k++) blind_axis(out, k);
-        out->start = -INFINITY; // makes every limit infinite
+        make_blind(out);
         return true;
     }
     // Where the ray is in the box of everything: bounds from both sides. (b − q)/D errs by at most
@@ -130,12 +174,70 @@ static inline bool sagi_float_ray_make(const sagi_world *world, const sag_ray *r
         enter = fmax(enter, fmin(a, b) - margin), leave = fmin(leave, fmax(a, b) + margin);
     }
     if (!(enter <= leave)) return false;
-    out->start = enter;
+    double delta = 0;
     for (int k = 0; k < 3; k++) {
         double walked = enter * direction[k];
-        set_axis(out, k, q[k] + walked, direction[k],
-                 0x1p-50 * (fabs(q[k]) + fabs(walked)) + spread + 0x1p-90, leave - enter);
+        double error = 0x1p-50 * (fabs(q[k]) + fabs(walked)) + spread + 0x1p-90;
+        out->p[k] = q[k] + walked, out->d[k] = direction[k];
+        set_axis(out, k, out->p[k], direction[k], error, leave - enter);
+        delta = fmax(delta, error);
     }
+    out->p[3] = out->d[3] = 0;
+    finish(out, ray, enter, leave, delta);
+    return true;
+}
+
+// The same for all coordinates at once. The conditions: an ordinary length, no small Dᵢ, not from far away.
+SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+    const sagi_l4 three = {-1, -1, -1, 0};
+    sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction));
+    sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
+    o = (sagi_d4)((sagi_l4)o & three), d = sagi_d4_select(three, d, sagi_d4_fill(0));
+    sagi_d4 size = sagi_d4_abs(d);
+    union {
+        double value;
+        uint64_t bits;
+    } largest = {.value = largest_of_three(size)};
+    int exponent = (int)(largest.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
+    sagi_d4 small = size - sagi_d4_fill(largest.value * 0x1p-39);
+    sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
+    sagi_d4 q_size = sagi_d4_abs(q);
+    double far = largest_of_three(q_size), most_o = largest_of_three(sagi_d4_abs(o));
+    double spread = (most_o * world->spread_relative + world->spread_absolute) * world->scale * 0x1p-50;
+    sagi_d4 base_error = sagi_d4_fill(spread + 0x1p-90);
+    if (!(exponent > -900 && exponent < 900 && small[0] >= 0 && small[1] >= 0 && small[2] >= 0 &&
+          far < 0x1p60 && spread < 0x1p60))
+        return make_carefully(world, ray, out);
+    out->unit[0] = power_of_two(exponent), out->unit[1] = world->scale, out->unit[2] = 1;
+    d *= sagi_d4_fill(power_of_two(-exponent));
+    d[3] = 1;
+    sagi_d4 inverse = sagi_d4_fill(1) / d;
+    double enter = scaled_time(out, ray->t_min), leave = scaled_time(out, ray->t_max);
+    enter -= 0x1p-48 * fabs(enter) + 0x1p-70, leave += 0x1p-48 * fabs(leave) + 0x1p-70;
+    sagi_d4 a = (world->lower - q) * inverse, b = (world->upper - q) * inverse;
+    sagi_d4 error = sagi_d4_fill(0x1p-50) * (sagi_d4_fill(1) + q_size) + base_error;
+    sagi_d4 margin = sagi_d4_fill(2) * error * sagi_d4_abs(inverse);
+    sagi_d4 in = sagi_d4_min(a, b) - margin, away = sagi_d4_max(a, b) + margin;
+    enter = fmax(enter, largest_of_three(in)), leave = fmin(leave, -largest_of_three(-away));
+    if (!(enter <= leave)) return false;
+
+    sagi_d4 walked = sagi_d4_fill(enter) * d;
+    error = sagi_d4_fill(0x1p-50) * (q_size + sagi_d4_abs(walked)) + base_error;
+    out->p = q + walked, out->d = d;
+    out->near_scale = sagi_d4_to_f4(inverse * sagi_d4_fill(1 - 0x1p-22));
+    out->far_scale = sagi_d4_to_f4(inverse * sagi_d4_fill(1 + 0x1p-22));
+    sagi_d4 near = out->p * sagi_f4_to_d4(out->near_scale), far_scale = sagi_f4_to_d4(out->far_scale);
+    sagi_d4 reach = sagi_d4_abs(far_scale) * error * sagi_d4_fill(1 + 0x1p-20) + sagi_d4_fill(0x1p-100);
+    sagi_d4 beyond = out->p * far_scale;
+    const sagi_d4 slack = sagi_d4_fill(0x1p-22), most = sagi_d4_fill(FLT_MAX);
+    out->near_add = sagi_d4_to_f4(sagi_d4_max(-near - (slack * sagi_d4_abs(near) + reach), -most));
+    out->far_add = sagi_d4_to_f4(sagi_d4_min(-beyond + (slack * sagi_d4_abs(beyond) + reach), most));
+    for (int k = 0; k < 3; k++) {
+        uint32_t lower = (uint32_t)k * SAGI_PLANE_BYTES, turn = 3 * SAGI_PLANE_BYTES;
+        uint32_t backward = d[k] < 0 ? turn : 0;
+        out->near_at[k] = lower + backward, out->far_at[k] = lower + turn - backward;
+    }
+    finish(out, ray, enter, leave, largest_of_three(error));
     return true;
 }
 

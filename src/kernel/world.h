@@ -5,6 +5,7 @@
 #define SAGI_KERNEL_WORLD_H
 
 #include "bvh/bvh.h"
+#include "kernel/simd.h"
 #include <sagitta/scene.h>
 
 typedef struct sagi_world sagi_world;
@@ -31,6 +32,8 @@ struct sagi_world {
     sagi_bvh tree; // boxes are ((p − origin) · scale), within [−1, 1]
     sag_vec3 origin;
     double scale; // a power of two
+    // What the above says, in doubles for ray.h: the origin, and the tree's box.
+    sagi_d4 center, lower, upper;
     const sagi_item *items;
     uint32_t item_count;
     const sagi_bvh_reference *unbounded; // tested for every ray

@@ -125,6 +125,14 @@ static void choose_units(sagi_snapshot *s) {
     s->radius = fmax(sag_max_component(sag_abs(b->min)), sag_max_component(sag_abs(b->max)));
 }
 
+// The same for the kernel's eyes; the fourth place means nothing.
+static void describe_units(sagi_snapshot *s) {
+    const sagi_float_box *b = &s->world.tree.box;
+    s->world.center = (sagi_d4){s->world.origin.x, s->world.origin.y, s->world.origin.z, 0};
+    s->world.lower = (sagi_d4){b->lo[0], b->lo[1], b->lo[2], 0};
+    s->world.upper = (sagi_d4){b->hi[0], b->hi[1], b->hi[2], 0};
+}
+
 // ‖A‖∞, the largest row sum, of |M|, of |M⁻¹| and of |M||M⁻¹|, and |M| times the largest |translation back|.
 static double row_norm(const sag_affine *a) {
     double norm = 0;
@@ -221,6 +229,7 @@ sag_status sagi_snapshot_build(sagi_snapshot *s) {
     sag_status status = w.chunks != NULL || chunk_bytes == 0 ? build(&w) : SAG_ERROR_MEMORY;
     sag_release(s->context, w.chunks, chunk_bytes);
     sag_release(s->context, w.first, first_bytes);
+    describe_units(s);
     s->stats.node_count = s->world.tree.node_count;
     s->stats.leaf_count = s->world.tree.leaf_count;
     s->stats.depth = s->world.tree.depth;

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+// Eight floats at once: all that the kernels need of an instruction set.
+//
+// The types are the vector types of GCC and Clang, which the compiler lowers to what there is: one register
+// with AVX, two with SSE or NEON, plain code elsewhere. Arithmetic is written with operators. What operators
+// cannot say stands here, by the instruction where there is one.
+#ifndef SAGI_KERNEL_SIMD_H
+#define SAGI_KERNEL_SIMD_H
+
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__AVX2__) && defined(__FMA__)
+#define SAGI_SIMD_AVX2 1
+#include <immintrin.h>
+#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
+#define SAGI_SIMD_AVX512 1
+#endif
+#elif defined(__SSE4_1__)
+#define SAGI_SIMD_SSE4 1
+#include <smmintrin.h>
+#elif defined(__ARM_NEON)
+#define SAGI_SIMD_NEON 1
+#include <arm_neon.h>
+#endif
+
+typedef float sagi_f8 __attribute__((vector_size(32)));
+typedef int32_t sagi_i8 __attribute__((vector_size(32))); // a comparison's result: −1 where it holds, else 0
+typedef double sagi_d4 __attribute__((vector_size(32)));
+typedef int64_t sagi_l4 __attribute__((vector_size(32)));
+typedef uint16_t sagi_h8 __attribute__((vector_size(16)));
+typedef float sagi_f4 __attribute__((vector_size(16)));
+
+#define SAGI_INLINE static inline __attribute__((always_inline))
+
+SAGI_INLINE sagi_f8 sagi_f8_fill(float x) { return (sagi_f8){x, x, x, x, x, x, x, x}; }
+SAGI_INLINE sagi_d4 sagi_d4_fill(double x) { return (sagi_d4){x, x, x, x}; }
+// Aligned to 32 bytes.
+SAGI_INLINE sagi_f8 sagi_f8_load(const void *p) { return *(const sagi_f8 *)__builtin_assume_aligned(p, 32); }
+SAGI_INLINE sagi_i8 sagi_i8_load(const void *p) { return *(const sagi_i8 *)__builtin_assume_aligned(p, 32); }
+SAGI_INLINE sagi_d4 sagi_d4_load(const void *p) { // of any alignment
+    sagi_d4 a;
+    memcpy(&a, p, sizeof a);
+    return a;
+}
+
+SAGI_INLINE sagi_i8 sagi_f8_bits(sagi_f8 a) { return (sagi_i8)a; }
+SAGI_INLINE sagi_f8 sagi_f8_abs(sagi_f8 a) { return (sagi_f8)((sagi_i8)a & INT32_MAX); }
+SAGI_INLINE sagi_d4 sagi_d4_abs(sagi_d4 a) { return (sagi_d4)((sagi_l4)a & INT64_MAX); }
+// Where the mask holds a, else b.
+SAGI_INLINE sagi_f8 sagi_f8_select(sagi_i8 mask, sagi_f8 a, sagi_f8 b) {
+    return (sagi_f8)((mask & (sagi_i8)a) | (~mask & (sagi_i8)b));
+}
+SAGI_INLINE sagi_d4 sagi_d4_select(sagi_l4 mask, sagi_d4 a, sagi_d4 b) {
+    return (sagi_d4)((mask & (sagi_l4)a) | (~mask & (sagi_l4)b));
+}
+
+#ifdef SAGI_SIMD_AVX2
+
+// a b + c, rounded once here and twice elsewhere: the bounds of the kernels hold for both.
+SAGI_INLINE sagi_f8 sagi_f8_fma(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return (sagi_f8)_mm256_fmadd_ps(a, b, c); }
+SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return (sagi_f8)_mm256_fmsub_ps(a, b, c); }
+// a < b ? a : b and a > b ? a : b
+SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_min_ps(a, b); }
+SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_max_ps(a, b); }
+SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_min_pd(a, b); }
+SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_max_pd(a, b); }
+SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
+SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a); }
+SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
+    __m128i h = _mm_load_si128((const __m128i *)(const void *)p);
+    return (sagi_f8)_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(h));
+}
+// The first lane of a mask is bit 0.
+SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
+    return (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps((__m256i)a));
+}
+// The least of eight.
+SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
+    __m128i m = _mm_min_epi32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
+    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0x4e));
+    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0xb1));
+    return _mm_cvtsi128_si32(m);
+}
+
+#else
+
+SAGI_INLINE sagi_f8 sagi_f8_fma(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b + c; }
+SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b - c; }
+SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a < b, a, b); }
+SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a > b, a, b); }
+SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) {
+    return (sagi_f4){(float)a[0], (float)a[1], (float)a[2], (float)a[3]};
+}
+SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4){a[0], a[1], a[2], a[3]}; }
+SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
+    sagi_h8 h;
+    memcpy(&h, p, sizeof h);
+    return __builtin_convertvector(__builtin_convertvector(h, sagi_i8), sagi_f8);
+}
+SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
+    int32_t least = a[0];
+    for (int i = 1; i < 8; i++) least = a[i] < least ? a[i] : least;
+    return least;
+}
+
+#ifdef SAGI_SIMD_SSE4
+typedef union sagi_halves {
+    sagi_f8 all;
+    __m128 half[2];
+} sagi_halves;
+SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) {
+    sagi_halves x = {a}, y = {b};
+    for (int i = 0; i < 2; i++) x.half[i] = _mm_min_ps(x.half[i], y.half[i]);
+    return x.all;
+}
+SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) {
+    sagi_halves x = {a}, y = {b};
+    for (int i = 0; i < 2; i++) x.half[i] = _mm_max_ps(x.half[i], y.half[i]);
+    return x.all;
+}
+SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
+    sagi_halves x = {(sagi_f8)a};
+    return (uint32_t)(_mm_movemask_ps(x.half[0]) | _mm_movemask_ps(x.half[1]) << 4);
+}
+#else
+SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a < b, a, b); }
+SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a > b, a, b); }
+#ifdef SAGI_SIMD_NEON
+SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
+    a &= (sagi_i8){1, 2, 4, 8, 16, 32, 64, 128};
+    union {
+        sagi_i8 all;
+        int32x4_t half[2];
+    } x = {a};
+    return (uint32_t)(vaddvq_s32(x.half[0]) + vaddvq_s32(x.half[1]));
+}
+#else
+SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
+    uint32_t mask = 0;
+    for (int i = 0; i < 8; i++) mask |= (uint32_t)(a[i] != 0) << i;
+    return mask;
+}
+#endif
+#endif
+#endif
+
+// Appends (high << 32 | low) of the lanes in the mask to `to`, which must have room for eight. Their order is
+// no matter. Returns how many.
+SAGI_INLINE int sagi_append_pairs(uint64_t *to, uint32_t mask, sagi_i8 high, sagi_i8 low) {
+#ifdef SAGI_SIMD_AVX512
+    __m512i pairs = _mm512_or_epi64(_mm512_slli_epi64(_mm512_cvtepu32_epi64((__m256i)high), 32),
+                                    _mm512_cvtepu32_epi64((__m256i)low));
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi64((__mmask8)mask, pairs));
+#elif defined(SAGI_SIMD_AVX2)
+    // Which of four pairs come first, by the bits of a mask of four; as numbers of their 32-bit halves.
+    static const uint8_t order[16][8] = {
+        {0},
+        {0, 1},
+        {2, 3},
+        {0, 1, 2, 3},
+        {4, 5},
+        {0, 1, 4, 5},
+        {2, 3, 4, 5},
+        {0, 1, 2, 3, 4, 5},
+        {6, 7},
+        {0, 1, 6, 7},
+        {2, 3, 6, 7},
+        {0, 1, 2, 3, 6, 7},
+        {4, 5, 6, 7},
+        {0, 1, 4, 5, 6, 7},
+        {2, 3, 4, 5, 6, 7},
+        {0, 1, 2, 3, 4, 5, 6, 7},
+    };
+    __m256i first = _mm256_unpacklo_epi32((__m256i)low, (__m256i)high);  // lanes 0, 1, 4, 5
+    __m256i second = _mm256_unpackhi_epi32((__m256i)low, (__m256i)high); // lanes 2, 3, 6, 7
+    uint32_t in_first = (mask & 3) | (mask >> 2 & 12), in_second = (mask >> 2 & 3) | (mask >> 4 & 12);
+    __m256i way = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)order[in_first]));
+    _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permutevar8x32_epi32(first, way));
+    way = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)order[in_second]));
+    _mm256_storeu_si256((__m256i *)(void *)(to + __builtin_popcount(in_first)),
+                        _mm256_permutevar8x32_epi32(second, way));
+#else
+    for (uint32_t left = mask; left != 0; left &= left - 1) {
+        int i = __builtin_ctz(left);
+        *to++ = (uint64_t)(uint32_t)high[i] << 32 | (uint32_t)low[i];
+    }
+#endif
+    return __builtin_popcount(mask);
+}
+
+#endif
