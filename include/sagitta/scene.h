@@ -106,6 +106,38 @@ SAG_API sag_status sag_scene_set_quality(sag_scene *scene, sag_quality quality);
 /// On failure the error says why (the first failed add included) and the scene answers as it did before.
 SAG_API sag_status sag_scene_commit(sag_scene *scene, sag_error *error);
 
+/// Writes a committed scene to a file: its geometries, the scenes its instances show (a shared one once) and
+/// the acceleration structure as it is, with checksums. The file appears whole or not at all: it is written
+/// under another name beside `path` and renamed over it when it is on disk. What is saved is what queries
+/// see: changes since the last commit are not in it, nor are geometries that are disabled (their ids stay
+/// unused, as those of removed ones do). SAG_ERROR_STATE before the first commit, SAG_ERROR_ARGUMENT for a
+/// scene with shapes of the user's own (callbacks cannot be saved), SAG_ERROR_MEMORY, SAG_ERROR_IO with the
+/// system's reason. May run while other threads query the scene. (tests/unit/test_save.c)
+SAG_API sag_status sag_scene_save(const sag_scene *scene, const char *path, sag_error *error);
+/// Makes a committed scene from a file that sag_scene_save wrote. It answers every query with the same bits
+/// as the one that was saved, has the same ids, and may be changed and committed again; the scenes of its
+/// instances come with it. Reading takes a small part of the time that building took. Files are for the
+/// machine they were made on and its like: SAG_ERROR_FORMAT for one of another byte order, of another version
+/// of the format, for one that is cut or damaged, and for anything else. Nothing in a file is believed: no
+/// file, however made, can make this call or a later query leave its memory or not end. The error has the
+/// file and, in its message, the byte and what is wrong there. *scene is written on SAG_OK only; the context
+/// must outlive it. (tests/unit/test_save.c, test_load_hostile.c)
+SAG_API sag_status sag_scene_load(sag_context *context, const char *path, sag_scene **scene,
+                                  sag_error *error);
+
+/// Takes the next `bytes` bytes; false: that failed. Never called with 0.
+typedef bool (*sag_write_callback)(void *user, const void *data, size_t bytes);
+/// Fills in the next `bytes` bytes; false: there are not that many. Never called with 0.
+typedef bool (*sag_read_callback)(void *user, void *data, size_t bytes);
+
+/// sag_scene_save to anywhere: the bytes of the file, in order, to a callback. For a network, an archive,
+/// memory. SAG_ERROR_IO when the callback returned false.
+SAG_API sag_status sag_scene_write(const sag_scene *scene, sag_write_callback write, void *user,
+                                   sag_error *error);
+/// sag_scene_load from anywhere: asks for the bytes of the file, in order, and for none after its end.
+SAG_API sag_status sag_scene_read(sag_context *context, sag_read_callback read, void *user, sag_scene **scene,
+                                  sag_error *error);
+
 /// Counts and sizes of a committed scene.
 typedef struct sag_scene_stats {
     uint32_t geometry_count;

@@ -46,6 +46,15 @@ typedef struct sagi_reference_block {
     sagi_bvh_reference reference[SAGI_BVH_MAX_LEAF];
 } sagi_reference_block;
 
+// How long a block of this kind is.
+static inline size_t sagi_block_bytes(sagi_block_kind kind, uint32_t count) {
+    switch (kind) {
+    case SAGI_BLOCK_TRIANGLES: return sizeof(sagi_triangle_block);
+    case SAGI_BLOCK_REFERENCES: return sizeof(sagi_block) + count * sizeof(sagi_bvh_reference);
+    }
+    return 0;
+}
+
 static inline const sagi_block *sagi_leaf(const sagi_bvh *tree, uint32_t child) {
     return (const sagi_block *)(const void *)(tree->leaves +
                                               (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT);

@@ -2,13 +2,6 @@
 // Commit: a new snapshot beside the old one, then the exchange. Whatever fails, the old one stays.
 #include "scene/scene.h"
 #include "shapes/shape.h"
-#include <time.h>
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 // A mesh with a transform is moved vertex by vertex; the kernel then sees it without one.
 static sag_status fill_mesh(sagi_snapshot *s, sagi_entry *e, sagi_item *item) {
@@ -56,20 +49,26 @@ static sag_status fill(sagi_snapshot *s, const sagi_geometry *g, uint32_t id, sa
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory");
 }
 
-static sag_status make(sag_scene *scene, sagi_snapshot *s, sag_error *error) {
+sag_status sagi_snapshot_fill(sagi_snapshot *s, const sag_scene *scene, sag_error *error) {
     for (uint32_t i = 0; i < scene->count; i++) {
         const sagi_geometry *g = &scene->geometries[i];
         if (g->removed || g->disabled) continue;
         sag_status status = fill(s, g, i, error);
         if (status != SAG_OK) return status;
     }
-    sag_status status = sagi_snapshot_build(s);
+    return SAG_OK;
+}
+
+static sag_status make(const sag_scene *scene, sagi_snapshot *s, sag_error *error) {
+    sag_status status = sagi_snapshot_fill(s, scene, error);
+    if (status != SAG_OK) return status;
+    status = sagi_snapshot_build(s);
     if (status == SAG_ERROR_ARGUMENT) return sag_error_set(error, status, "more than 2^31 primitives");
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory while building the scene");
 }
 
 sag_status sag_scene_commit(sag_scene *scene, sag_error *error) {
-    double begin = seconds();
+    double begin = sagi_seconds();
     if (scene->add_error.status != SAG_OK) {
         sag_status status = scene->add_error.status;
         if (error != NULL) *error = scene->add_error;
@@ -84,7 +83,7 @@ sag_status sag_scene_commit(sag_scene *scene, sag_error *error) {
         sagi_snapshot_release(s);
         return status;
     }
-    s->stats.build_seconds = seconds() - begin;
+    s->stats.build_seconds = sagi_seconds() - begin;
     sagi_snapshot_release(scene->cell->current);
     scene->cell->current = s;
     return SAG_OK;

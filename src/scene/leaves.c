@@ -12,14 +12,6 @@ static sagi_block_kind kind_of(const sagi_snapshot *s, const sagi_bvh_primitive 
     return s->items[p[0].geometry].kind == SAG_SHAPE_MESH ? SAGI_BLOCK_TRIANGLES : SAGI_BLOCK_REFERENCES;
 }
 
-static size_t bytes_of(sagi_block_kind kind, uint32_t count) {
-    switch (kind) {
-    case SAGI_BLOCK_TRIANGLES: return sizeof(sagi_triangle_block);
-    case SAGI_BLOCK_REFERENCES: return sizeof(sagi_block) + count * sizeof(sagi_bvh_reference);
-    }
-    return 0;
-}
-
 // A block of triangles costs the same however many there are. The other shapes are tested one by one, in
 // double, and further boxes are much cheaper.
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
@@ -29,7 +21,7 @@ sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
 }
 
 uint32_t sagi_leaf_units(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count) {
-    size_t bytes = bytes_of(kind_of(snapshot, primitives, count), count);
+    size_t bytes = sagi_block_bytes(kind_of(snapshot, primitives, count), count);
     return (uint32_t)((bytes + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT);
 }
 

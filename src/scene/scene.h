@@ -11,6 +11,7 @@
 
 #include "kernel/kernel.h"
 #include <stdatomic.h>
+#include <time.h>
 
 // A shape's description with all its arrays, in one block of memory.
 typedef struct sagi_store {
@@ -21,8 +22,20 @@ typedef struct sagi_store {
     _Atomic double area; // NAN until someone asked; every thread would find the same
 } sagi_store;
 
+// An array of a shape: where it is and how long. NULL: not there.
+typedef struct sagi_part {
+    const void *from;
+    size_t bytes;
+} sagi_part;
+#define SAGI_MAX_PARTS 4
+
+// The arrays of a shape; returns how many a shape of this kind has at most.
+int sagi_shape_parts(sag_shape_kind kind, const void *shape, sagi_part parts[SAGI_MAX_PARTS]);
+
 // Deep copy; NULL when memory is short.
 sagi_store *sagi_store_create(const sag_context *context, sag_shape_kind kind, const void *shape);
+// The same, but the arrays that the shape points to (which is not looked at) are yet to be filled in.
+sagi_store *sagi_store_create_empty(const sag_context *context, sag_shape_kind kind, const void *shape);
 sagi_store *sagi_store_retain(sagi_store *store);
 void sagi_store_release(sagi_store *store); // NULL does nothing
 // A mesh with its vertices, and normals, moved.
@@ -60,9 +73,14 @@ struct sagi_snapshot {
 sagi_snapshot *sagi_snapshot_create(const sag_context *context, uint32_t count);
 sagi_snapshot *sagi_snapshot_retain(sagi_snapshot *snapshot);
 void sagi_snapshot_release(sagi_snapshot *snapshot); // NULL does nothing
+// Fills in the entries and items from the scene's geometries (commit.c).
+sag_status sagi_snapshot_fill(sagi_snapshot *snapshot, const sag_scene *scene, sag_error *error);
 // Fills in tree, bounds and counts from the entries (structure.c). SAG_ERROR_MEMORY, or SAG_ERROR_ARGUMENT
 // for more than 2^31 primitives.
 sag_status sagi_snapshot_build(sagi_snapshot *snapshot);
+
+// What follows from entries, units, bounds and tree: the spread, the statistics (structure.c).
+void sagi_snapshot_measure(sagi_snapshot *snapshot);
 
 // The makers of leaves (leaves.c); `snapshot` has its units and items.
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry);
@@ -121,6 +139,13 @@ struct sag_scene {
     sagi_cell *cell;
     sag_quality quality; // of the next commit's tree
 };
+
+// A clock that only goes forward.
+static inline double sagi_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
 
 // The current snapshot, NULL before the first commit.
 static inline const sagi_snapshot *sagi_scene_snapshot(const sag_scene *scene) {

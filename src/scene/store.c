@@ -5,52 +5,44 @@
 #include "shapes/shape.h"
 #include <string.h>
 
-// An array to be copied: where it comes from and how long it is. NULL stays NULL.
-typedef struct part {
-    const void *from;
-    size_t bytes;
-} part;
-
-#define MAX_PARTS 4
-
 static size_t aligned(size_t bytes) { return (bytes + 15) & ~(size_t)15; }
 
-// The arrays of a shape, in the order in which they are put back in place below. The kinds that are not named
-// have none; a test adds every kind and frees the original.
-static int list_parts(sag_shape_kind kind, const void *shape, part parts[MAX_PARTS]) {
+// In the order in which they are put back in place below. The kinds that are not named have none; a test adds
+// every kind and frees the original.
+int sagi_shape_parts(sag_shape_kind kind, const void *shape, sagi_part parts[SAGI_MAX_PARTS]) {
     if (kind == SAG_SHAPE_MESH) {
         const sag_mesh *m = shape;
         bool wide = m->positions_f64 != NULL;
-        parts[0] = (part){wide ? (const void *)m->positions_f64 : m->positions_f32,
-                          (size_t)m->vertex_count * 3 * (wide ? sizeof(double) : sizeof(float))};
-        parts[1] = (part){m->normals_f32, (size_t)m->vertex_count * 3 * sizeof(float)};
-        parts[2] = (part){m->texcoords_f32, (size_t)m->vertex_count * 2 * sizeof(float)};
-        parts[3] = (part){m->triangles, (size_t)m->triangle_count * 3 * sizeof(uint32_t)};
+        parts[0] = (sagi_part){wide ? (const void *)m->positions_f64 : m->positions_f32,
+                               (size_t)m->vertex_count * 3 * (wide ? sizeof(double) : sizeof(float))};
+        parts[1] = (sagi_part){m->normals_f32, (size_t)m->vertex_count * 3 * sizeof(float)};
+        parts[2] = (sagi_part){m->texcoords_f32, (size_t)m->vertex_count * 2 * sizeof(float)};
+        parts[3] = (sagi_part){m->triangles, (size_t)m->triangle_count * 3 * sizeof(uint32_t)};
         return 4;
     }
     if (kind == SAG_SHAPE_SPHERES) {
         const sag_spheres *s = shape;
         bool wide = s->centers_f64 != NULL;
-        parts[0] = (part){wide ? (const void *)s->centers_f64 : s->centers_f32,
-                          (size_t)s->count * 3 * (wide ? sizeof(double) : sizeof(float))};
-        parts[1] = (part){s->radii_f32, (size_t)s->count * sizeof(float)};
+        parts[0] = (sagi_part){wide ? (const void *)s->centers_f64 : s->centers_f32,
+                               (size_t)s->count * 3 * (wide ? sizeof(double) : sizeof(float))};
+        parts[1] = (sagi_part){s->radii_f32, (size_t)s->count * sizeof(float)};
         return 2;
     }
     if (kind == SAG_SHAPE_POLYGON) {
         const sag_polygon *p = shape;
-        parts[0] = (part){p->positions, (size_t)p->position_count * sizeof(sag_vec3)};
-        parts[1] = (part){p->loop_sizes, (size_t)p->loop_count * sizeof(uint32_t)};
+        parts[0] = (sagi_part){p->positions, (size_t)p->position_count * sizeof(sag_vec3)};
+        parts[1] = (sagi_part){p->loop_sizes, (size_t)p->loop_count * sizeof(uint32_t)};
         return 2;
     }
     if (kind == SAG_SHAPE_POLYHEDRON) {
         const sag_polyhedron *p = shape;
-        parts[0] = (part){p->planes, (size_t)p->plane_count * sizeof(sag_half_space)};
+        parts[0] = (sagi_part){p->planes, (size_t)p->plane_count * sizeof(sag_half_space)};
         return 1;
     }
     return 0;
 }
 
-static void point_at_copies(sag_shape_kind kind, void *shape, const void *const copies[MAX_PARTS]) {
+static void point_at_copies(sag_shape_kind kind, void *shape, const void *const copies[SAGI_MAX_PARTS]) {
     if (kind == SAG_SHAPE_MESH) {
         sag_mesh *m = shape;
         if (m->positions_f64 != NULL)
@@ -87,26 +79,36 @@ static sagi_store *allocate(const sag_context *context, size_t bytes, unsigned c
     return store;
 }
 
-sagi_store *sagi_store_create(const sag_context *context, sag_shape_kind kind, const void *shape) {
-    part parts[MAX_PARTS] = {{NULL, 0}};
-    int count = list_parts(kind, shape, parts);
+sagi_store *sagi_store_create_empty(const sag_context *context, sag_shape_kind kind, const void *shape) {
+    sagi_part parts[SAGI_MAX_PARTS] = {{NULL, 0}};
+    int count = sagi_shape_parts(kind, shape, parts);
     size_t struct_bytes = sagi_shape_classes[kind].struct_bytes, bytes = aligned(struct_bytes);
     for (int i = 0; i < count; i++) bytes += parts[i].from != NULL ? aligned(parts[i].bytes) : 0;
     unsigned char *at;
     sagi_store *store = allocate(context, bytes, &at);
     if (store == NULL) return NULL;
     void *copy = at;
-    const void *copies[MAX_PARTS] = {NULL};
+    const void *copies[SAGI_MAX_PARTS] = {NULL};
     memcpy(copy, shape, struct_bytes);
     at += aligned(struct_bytes);
     for (int i = 0; i < count; i++) {
         if (parts[i].from == NULL) continue;
-        memcpy(at, parts[i].from, parts[i].bytes);
         copies[i] = at;
         at += aligned(parts[i].bytes);
     }
     point_at_copies(kind, copy, copies);
     store->shape = copy;
+    return store;
+}
+
+sagi_store *sagi_store_create(const sag_context *context, sag_shape_kind kind, const void *shape) {
+    sagi_store *store = sagi_store_create_empty(context, kind, shape);
+    if (store == NULL) return NULL;
+    sagi_part from[SAGI_MAX_PARTS], to[SAGI_MAX_PARTS];
+    int count = sagi_shape_parts(kind, shape, from);
+    sagi_shape_parts(kind, store->shape, to);
+    for (int i = 0; i < count; i++)
+        if (from[i].from != NULL) memcpy((void *)(uintptr_t)to[i].from, from[i].from, from[i].bytes);
     return store;
 }
 

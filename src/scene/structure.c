@@ -7,7 +7,6 @@
 #include "base/context.h"
 #include "scene/scene.h"
 #include <string.h>
-#include <time.h>
 
 #define CHUNK 4096u
 
@@ -122,7 +121,6 @@ static void choose_units(sagi_snapshot *s) {
     frexp(reach, &exponent);
     s->world.origin = c;
     s->world.scale = ldexp(1, -(exponent < -900 ? -900 : exponent));
-    s->radius = fmax(sag_max_component(sag_abs(b->min)), sag_max_component(sag_abs(b->max)));
 }
 
 // The same for the kernel's eyes; the fourth place means nothing.
@@ -163,10 +161,19 @@ static void add_spread(sagi_snapshot *s, const sagi_place *place, const sagi_wor
     s->world.spread_absolute = fmax(s->world.spread_absolute, absolute);
 }
 
-static void measure_spread(sagi_snapshot *s) {
+void sagi_snapshot_measure(sagi_snapshot *s) {
+    describe_units(s);
+    const sag_box3 *b = &s->stats.bounds;
+    if (!sag_box3_is_empty(b))
+        s->radius = fmax(sag_max_component(sag_abs(b->min)), sag_max_component(sag_abs(b->max)));
     for (uint32_t i = 0; i < s->count; i++)
         if (s->entries[i].present && (s->items[i].place != NULL || s->items[i].child != NULL))
             add_spread(s, s->items[i].place, s->items[i].child);
+    s->stats.node_count = s->world.tree.node_count;
+    s->stats.leaf_count = s->world.tree.leaf_count;
+    s->stats.depth = s->world.tree.depth;
+    s->stats.sah = (double)s->world.tree.sah;
+    s->stats.structure_bytes = sagi_bvh_bytes(&s->world.tree) + s->unbounded_capacity * sizeof *s->unbounded;
 }
 
 static void sum_up(work *w) {
@@ -201,7 +208,6 @@ static sag_status build(work *w) {
     sag_parallel_for(context, w->chunk_count, survey, w);
     sum_up(w);
     choose_units(s);
-    measure_spread(s);
     if (w->good > INT32_MAX || s->stats.primitive_count > UINT32_MAX) return SAG_ERROR_ARGUMENT;
     size_t bytes = (size_t)w->good * sizeof *w->primitives;
     w->primitives = sag_allocate(context, bytes);
@@ -229,11 +235,6 @@ sag_status sagi_snapshot_build(sagi_snapshot *s) {
     sag_status status = w.chunks != NULL || chunk_bytes == 0 ? build(&w) : SAG_ERROR_MEMORY;
     sag_release(s->context, w.chunks, chunk_bytes);
     sag_release(s->context, w.first, first_bytes);
-    describe_units(s);
-    s->stats.node_count = s->world.tree.node_count;
-    s->stats.leaf_count = s->world.tree.leaf_count;
-    s->stats.depth = s->world.tree.depth;
-    s->stats.sah = (double)s->world.tree.sah;
-    s->stats.structure_bytes = sagi_bvh_bytes(&s->world.tree) + s->unbounded_capacity * sizeof *s->unbounded;
+    sagi_snapshot_measure(s);
     return status;
 }

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// A committed scene as bytes.
+//
+// A head of 64 bytes, then sections. Each section is a head of 64 bytes that says what it is, how long and
+// with which checksum, then its content, then zeros up to the next multiple of 64: read or mapped as it is,
+// every array is aligned as memory from sag_allocate is. Numbers stand in the byte order of the machine that
+// wrote them (the head says which), arrays as they are in memory. Nothing is left unchecked: each head holds
+// a checksum of itself, and what has no meaning must be 0.
+//
+// The scenes follow one another, children before their parents, a shared one once; the last one is the scene
+// that was saved. Each scene is
+//     SCENE       one sagi_file_scene
+//     GEOMETRIES  a sagi_file_geometry for each id
+//     ARRAY       for each geometry its arrays, in the order of sagi_shape_parts
+//     UNBOUNDED   sagi_bvh_reference
+//     NODES       sagi_bvh_node
+//     LEAVES      units (kernel/block.h)
+// What can be worked out to the same bits is not there: inverse maps, meshes moved by their transforms.
+#ifndef SAGI_SCENE_FILE_H
+#define SAGI_SCENE_FILE_H
+
+#include "scene/scene.h"
+
+// Goes up whenever a section's content changes its meaning, nodes and leaves included.
+#define SAGI_FILE_VERSION    1u
+#define SAGI_FILE_MAGIC      "\x89SAG\r\n\x1a\n" // as PNG does it: shows when a file was sent as text
+#define SAGI_FILE_BYTE_ORDER 0x01020304u
+#define SAGI_FILE_ALIGNMENT  ((size_t)64)
+
+typedef struct sagi_file_head {
+    unsigned char magic[8];
+    uint32_t byte_order, version;
+    uint64_t bytes; // of the whole file
+    uint32_t scene_count, zero;
+    uint64_t zeros[3];
+    uint64_t checksum; // of what stands before it
+} sagi_file_head;
+_Static_assert(sizeof(sagi_file_head) == 64, "no padding");
+
+typedef enum sagi_file_tag {
+    SAGI_FILE_SCENE = 1,
+    SAGI_FILE_GEOMETRIES,
+    SAGI_FILE_ARRAY,
+    SAGI_FILE_UNBOUNDED,
+    SAGI_FILE_NODES,
+    SAGI_FILE_LEAVES,
+} sagi_file_tag;
+
+typedef struct sagi_file_section {
+    uint32_t tag, scene;
+    uint32_t geometry, part;  // of an ARRAY; else 0
+    uint64_t bytes, checksum; // of the content, without the zeros after it
+    uint64_t zeros[3];
+    uint64_t head_checksum; // of what stands before it
+} sagi_file_section;
+_Static_assert(sizeof(sagi_file_section) == 64, "no padding");
+
+typedef struct sagi_file_scene {
+    uint32_t geometry_count, unbounded_count, node_count, unit_count, leaf_count, depth, quality;
+    float sah;
+    double origin[3], scale;
+    float box_lo[3], box_hi[3]; // of the tree
+    uint64_t primitive_count, dropped_not_finite, dropped_degenerate;
+    double bounds_min[3], bounds_max[3];
+} sagi_file_scene;
+_Static_assert(sizeof(sagi_file_scene) == 160, "no padding");
+
+#define SAGI_FILE_NUMBERS 16 // doubles: the most that a shape has
+
+// What is beyond a kind's own numbers is 0.
+typedef struct sagi_file_geometry {
+    uint8_t present, kind, placed, face_forward;
+    uint32_t mask;
+    uint64_t user_data;
+    uint32_t child;     // an instance's scene
+    uint32_t flag;      // the shape's bool: closed, one_sided
+    uint32_t counts[2]; // lengths of its arrays
+    uint32_t wide;      // positions in double
+    uint32_t arrays;    // bit i: part i is there
+    double to_scene[12];
+    double number[SAGI_FILE_NUMBERS];
+} sagi_file_geometry;
+_Static_assert(sizeof(sagi_file_geometry) == 264, "no padding");
+
+// Any shape's struct.
+typedef union sagi_any_shape {
+    sag_polygon polygon;
+    sag_polyhedron polyhedron;
+    sag_spheres spheres;
+    sag_mesh mesh;
+    double number[SAGI_FILE_NUMBERS];
+    unsigned char bytes[192];
+} sagi_any_shape;
+
+// A shape's own numbers, without its arrays (shape_numbers.c). *g is 0 before.
+void sagi_shape_encode(sag_shape_kind kind, const void *shape, sagi_file_geometry *g);
+// The other way. Arrays that are there become pointers to some place that must not be looked at. False for
+// what no shape of the kind says.
+bool sagi_shape_decode(const sagi_file_geometry *g, sagi_any_shape *shape);
+
+// sag_scene_read with the length the whole has to have; UINT64_MAX: not known.
+sag_status sagi_scene_read(sag_context *context, sag_read_callback read, void *user, uint64_t bytes,
+                           sag_scene **scene, sag_error *error);
+
+// Whether a query of the tree stays within what is there, whatever the numbers in it say (check.c); else a
+// name of what is wrong. Items and entries are valid.
+const char *sagi_snapshot_check(const sagi_snapshot *snapshot);
+
+#endif
