@@ -95,11 +95,12 @@ static void measure_build(bench *b, const model *m, uint32_t threads) {
     }
 }
 
-static void measure_sets(bench *b, const model *m, const ray_set sets[SET_COUNT], const char *isa,
+static void measure_sets(bench *b, const model *m, ray_set sets[SET_COUNT], unsigned wanted, const char *isa,
                          const char *quality, uint32_t threads) {
     built ignored;
     subject s =
         subject_create(m, &(subject_options){.isa = isa, .quality = quality, .threads = threads}, &ignored);
+    if (sets[0].rays == NULL) sets_make(sets, wanted, m, s.scene, b->o.side);
     print_set_heading(threads, sag_context_isa(s.context), quality);
     size_t first = b->report.result_count;
     for (int i = 0; i < SET_COUNT; i++) {
@@ -135,15 +136,11 @@ static void measure_model(bench *b, const model *m) {
     unsigned wanted = b->o.sets != 0 ? b->o.sets
                       : balls        ? 1u << SET_CAMERA | 1u << SET_CHORD
                                      : (1u << SET_COUNT) - 1;
-    ray_set sets[SET_COUNT];
-    subject s = subject_create(
-        m, &(subject_options){.quality = subject_qualities[0], .threads = b->o.threads}, &ignored);
-    sets_make(sets, wanted, m, s.scene, b->o.side);
-    subject_destroy(&s);
+    ray_set sets[SET_COUNT] = {{0}}; // made when the first scene is there
     for (size_t i = 0; i < b->o.isa_count; i++)
         for (size_t q = 0; q < b->o.quality_count; q++)
             for (size_t t = 0; t < counts; t++)
-                measure_sets(b, m, sets, b->o.isas[i], b->o.qualities[q], threads[t]);
+                measure_sets(b, m, sets, wanted, b->o.isas[i], b->o.qualities[q], threads[t]);
     sets_free(sets);
     peer_destroy(robust);
     peer_destroy(fast);

@@ -49,8 +49,10 @@ bool model_load(model *m, const char *path) {
         fprintf(stderr, "bench-rays: %s: no triangles\n", path);
         loaded = false;
     }
-    if (!loaded) model_free(m);
-    model_measure(m);
+    if (loaded)
+        model_measure(m);
+    else
+        model_free(m);
     return loaded;
 }
 
