@@ -149,6 +149,7 @@ typedef struct settled {
 typedef struct result {
     char model[64], isa[16];
     const char *set, *quality;
+    bool spheres;
     uint32_t threads;
     size_t rays, met;
     double mrays[CONTENDER_COUNT]; // millions of rays a second; 0: did not take part
@@ -164,7 +165,7 @@ void measure_set(result *r, const model *m, const ray_set *set, const subject *s
 settled settle(const model *m, const ray_set *set, const sag_scene *scene, const peer *fast,
                const peer *robust, const answer *of_sagitta, const answer *of_fast, const answer *of_robust);
 
-// ---- tables.c, json.c
+// ---- tables.c, summary.c, json.c
 typedef struct build_result {
     char model[64];
     const char *quality;
@@ -188,6 +189,8 @@ void print_set(const result *r);
 void print_set_means(const result *results, size_t count);
 void print_summary(const report *r);
 double ratio_of(const result *r, int contender, int base); // 0: one of them is missing
+// The geometric mean of a ratio over those results that have it; 0: none has.
+double mean_ratio(const result *results, size_t count, int contender, int base);
 bool json_write(const report *r, const char *path);
 
 #endif

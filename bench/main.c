@@ -105,7 +105,8 @@ static void measure_sets(bench *b, const model *m, ray_set sets[SET_COUNT], unsi
     size_t first = b->report.result_count;
     for (int i = 0; i < SET_COUNT; i++) {
         if (sets[i].count == 0) continue;
-        result r = {.set = sets[i].name, .quality = quality, .threads = threads};
+        result r = {
+            .set = sets[i].name, .quality = quality, .spheres = m->sphere_count > 0, .threads = threads};
         memcpy(r.model, m->name, sizeof r.model);
         snprintf(r.isa, sizeof r.isa, "%s", sag_context_isa(s.context));
         measure_set(&r, m, &sets[i], &s, b->fast, b->robust, b->o.repeats);
