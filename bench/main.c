@@ -24,7 +24,7 @@ static const char usage[] =
     "  --rays N         N × N pixels, and as many chords (1024); a multiple of 4\n"
     "  --repeats N      the median of so many (5)\n"
     "  --isa NAME       Sagitta's instruction set: portable, sse42, avx2, avx512, neon; may be given again\n"
-    "  --quality NAME   of Sagitta's tree; may be given again; --quality list names them\n"
+    "  --quality NAME   of Sagitta's tree: fast, default, high; may be given again\n"
     "  --no-build       do not measure building\n"
     "  --no-embree      Sagitta alone\n"
     "  --quick          256 × 256 rays, one repeat, smaller generated models: does it work?\n"
@@ -53,14 +53,8 @@ typedef struct bench {
     const peer *fast, *robust;
 } bench;
 
-// The qualities beside each other in the table; Embree has these three.
-static const char *const peer_qualities[PEER_QUALITY_COUNT] = {"low", "default", "high"};
-
-static bool offers(const char *quality) {
-    for (const char *const *q = subject_qualities; *q != NULL; q++)
-        if (strcmp(*q, quality) == 0) return true;
-    return false;
-}
+// Sagitta's qualities that stand beside Embree's low, medium and high.
+static const char *const beside[PEER_QUALITY_COUNT] = {"fast", "default", "high"};
 
 static int by_seconds(const void *a, const void *b) {
     double x = ((const built *)a)->seconds, y = ((const built *)b)->seconds;
@@ -72,20 +66,14 @@ static void measure_build(bench *b, const model *m, uint32_t threads) {
     enum { SMALL = 3 };
     size_t repeats = model_primitives(m) < 3000000 && b->o.repeats > 1 ? SMALL : 1;
     for (int q = 0; q < PEER_QUALITY_COUNT; q++) {
-        build_result r = {
-            .quality = peer_qualities[q], .threads = threads, .primitives = model_primitives(m)};
+        build_result r = {.quality = beside[q], .threads = threads, .primitives = model_primitives(m)};
         memcpy(r.model, m->name, sizeof r.model);
-        bool ours = offers(r.quality), theirs = b->o.embree;
-        if (!ours && !theirs) continue;
+        subject_options ours = {.isa = b->o.isas[0], .quality = r.quality, .threads = threads};
         built sagitta[SMALL] = {{0}}, embree[SMALL] = {{0}};
         for (size_t i = 0; i < repeats; i++) {
-            if (ours) {
-                subject s = subject_create(
-                    m, &(subject_options){.isa = b->o.isas[0], .quality = r.quality, .threads = threads},
-                    &sagitta[i]);
-                subject_destroy(&s);
-            }
-            if (theirs) peer_destroy(peer_create(m, q, false, threads, &embree[i]));
+            subject s = subject_create(m, &ours, &sagitta[i]);
+            subject_destroy(&s);
+            if (b->o.embree) peer_destroy(peer_create(m, q, false, threads, &embree[i]));
         }
         qsort(sagitta, repeats, sizeof *sagitta, by_seconds);
         qsort(embree, repeats, sizeof *embree, by_seconds);
@@ -210,7 +198,6 @@ static uint32_t number(const char *text, uint32_t most) {
 
 static bool quality_named(const char *name, const char **list, size_t *count) {
     for (const char *const *q = subject_qualities; *q != NULL; q++) {
-        if (strcmp(name, "list") == 0) printf("%s\n", *q);
         if (strcmp(name, *q) == 0 && *count < MOST) return list[(*count)++] = *q, true;
     }
     return false;

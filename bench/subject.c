@@ -5,7 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const subject_qualities[] = {"default", NULL};
+const char *const subject_qualities[] = {"default", "fast", "high", NULL};
+static const sag_quality qualities[] = {SAG_QUALITY_DEFAULT, SAG_QUALITY_FAST, SAG_QUALITY_HIGH};
+
+static sag_quality quality_of(const char *name) {
+    for (size_t i = 0; subject_qualities[i] != NULL; i++)
+        if (strcmp(subject_qualities[i], name) == 0) return qualities[i];
+    return SAG_QUALITY_DEFAULT;
+}
 
 static void add_spheres(sag_scene *scene, const model *m) {
     float *centers = need((size_t)m->sphere_count * 3 * sizeof *centers);
@@ -44,6 +51,7 @@ subject subject_create(const model *m, const subject_options *options, built *b)
         add_spheres(s.scene, m);
     else
         add_mesh(s.scene, m);
+    sag_scene_set_quality(s.scene, quality_of(options->quality));
     sag_error error;
     double start = seconds_now();
     if (sag_scene_commit(s.scene, &error) != SAG_OK) fail(error.message);
@@ -56,7 +64,7 @@ subject subject_create(const model *m, const subject_options *options, built *b)
                  .structure_bytes = (double)stats.structure_bytes,
                  .geometry_bytes = (double)stats.geometry_bytes,
                  .peak_bytes = (double)peak,
-                 .sah = NAN};
+                 .sah = stats.sah};
     return s;
 }
 
