@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+// Files that somebody made to do harm: every checksum is right, the numbers are not. Loading may say no, or
+// yes; but then no query may leave its memory or go on for ever. (What shows it is a run with the address
+// sanitizer, and that the test ends.)
+#include "kernel/block.h"
+#include "scene/file.h"
+#include "support/context.h"
+#include "support/random_scene.h"
+#include "support/saved.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// A section of a file in memory.
+typedef struct place {
+    size_t at, bytes;
+} place;
+
+static place find(const saved *file, sagi_file_tag tag, uint32_t scene) {
+    for (size_t at = sizeof(sagi_file_head); at < file->count;) {
+        const sagi_file_section *s = (const void *)(file->bytes + at);
+        at += sizeof *s;
+        if (s->tag == (uint32_t)tag && s->scene == scene) return (place){at, s->bytes};
+        at += (s->bytes + SAGI_FILE_ALIGNMENT - 1) / SAGI_FILE_ALIGNMENT * SAGI_FILE_ALIGNMENT;
+    }
+    fail();
+    return (place){0, 0};
+}
+
+static void ask_everything(rng *r, sag_scene *scene) {
+    for (int i = 0; i < 12; i++) {
+        sag_ray ray = random_scene_ray(r, 1);
+        sag_hit hits[8], hit;
+        sag_surface surface;
+        sag_closest closest;
+        size_t count = sag_intersect_all(scene, &ray, hits, 8);
+        for (size_t k = 0; k < count && k < 8; k++) sag_surface_at(scene, &ray, &hits[k], &surface);
+        if (sag_intersect(scene, &ray, &hit)) sag_surface_at(scene, &ray, &hit, &surface);
+        sag_occluded(scene, &ray);
+        sag_contains(scene, ray.origin);
+        sag_closest_point(scene, ray.origin, INFINITY, &closest);
+    }
+}
+
+// Loads the file; what comes of it is asked, changed, committed and asked again. Whether it was loaded.
+static bool try_it(rng *r, saved *file) {
+    sag_scene *scene = NULL;
+    sag_error error = {0};
+    saved_seal(file);
+    sag_status status = saved_read(context, file->bytes, file->count, &scene, &error);
+    if (status != SAG_OK) {
+        assert_null(scene);
+        assert_true(error.message[0] != 0);
+        return false;
+    }
+    ask_everything(r, scene);
+    sag_add_sphere(scene, &(sag_sphere){.radius = 0.1});
+    if (sag_scene_commit(scene, &error) == SAG_OK) ask_everything(r, scene);
+    sag_scene_destroy(scene);
+    return true;
+}
+
+static saved make_file(uint64_t seed, uint32_t count) {
+    rng r = rng_make(seed);
+    sag_scene *scene = random_nested_scene(&r, context, count, 1, 1);
+    saved file = saved_from(scene, NULL, NULL);
+    sag_scene_destroy(scene);
+    assert_true(file.count > 0);
+    return file;
+}
+
+static uint32_t evil_word(rng *r, uint32_t now) {
+    static const uint32_t words[] = {0,          1,          8,          9,          0x7FFFFFFF, 0x80000000,
+                                     0xFFFFFFFF, 0x7F800000, 0xFF800000, 0x7FC00000, 0x3F800000, 0x80000001,
+                                     0x7FF00000, 0xFFF00000, 0x7FEFFFFF, 0x00000100, 0x01000000, 0x00010000};
+    switch (rng_below(r, 4)) {
+    case 0: return words[rng_below(r, sizeof words / sizeof *words)];
+    case 1: return now + (rng_one_in(r, 2) ? 1u : UINT32_MAX);
+    case 2: return now ^ 1u << rng_below(r, 32);
+    default: return (uint32_t)rng_bits(r);
+    }
+}
+
+// Any words of any section, one or some at a time.
+static void any_word(void **state) {
+    (void)state;
+    rng r = rng_make(11);
+    uint32_t loaded = 0, tries = (uint32_t)soak(1000);
+    for (uint64_t seed = 1; seed <= 2; seed++) {
+        saved file = make_file(seed, seed == 1 ? 12 : 44), copy = file;
+        copy.bytes = malloc(file.count);
+        for (uint32_t i = 0; i < tries / 2; i++) {
+            memcpy(copy.bytes, file.bytes, file.count);
+            uint32_t *words = (void *)copy.bytes;
+            for (uint32_t k = 1 + rng_below(&r, 3); k > 0; k--) {
+                uint32_t at = rng_below(&r, (uint32_t)(file.count / 4));
+                words[at] = evil_word(&r, words[at]);
+            }
+            loaded += try_it(&r, &copy);
+        }
+        saved_free(&copy), saved_free(&file);
+    }
+    assert_true(loaded > 0 && loaded < tries);
+}
+
+// The numbers that lead somewhere: children of nodes and the leaves' first bytes.
+static void any_child(void **state) {
+    (void)state;
+    rng r = rng_make(12);
+    saved file = make_file(3, 88), copy = file;
+    copy.bytes = malloc(file.count);
+    for (size_t i = 0; i < soak(700); i++) {
+        memcpy(copy.bytes, file.bytes, file.count);
+        uint32_t scene = rng_below(&r, 2);
+        place nodes = find(&copy, SAGI_FILE_NODES, scene), leaves = find(&copy, SAGI_FILE_LEAVES, scene);
+        if (rng_one_in(&r, 2)) {
+            sagi_bvh_node *n = (void *)(copy.bytes + nodes.at);
+            uint32_t *child =
+                &n[rng_below(&r, (uint32_t)(nodes.bytes / sizeof *n))].child[rng_below(&r, SAGI_BVH_WIDTH)];
+            uint32_t leaf = rng_one_in(&r, 2) ? SAGI_BVH_LEAF : 0;
+            *child = rng_one_in(&r, 2) ? evil_word(&r, *child) : leaf | rng_below(&r, 40);
+        } else {
+            uint32_t *words =
+                (void *)(copy.bytes + leaves.at +
+                         rng_below(&r, (uint32_t)(leaves.bytes / SAGI_BVH_UNIT)) * SAGI_BVH_UNIT);
+            uint32_t at = rng_below(&r, 8);
+            words[at] = rng_one_in(&r, 2) ? evil_word(&r, words[at]) : rng_below(&r, 16);
+        }
+        try_it(&r, &copy);
+    }
+    saved_free(&copy), saved_free(&file);
+}
+
+static saved mesh_file_in_memory(void) {
+    rng r = rng_make(13);
+    sag_scene *scene = sag_scene_create(context);
+    for (int i = 0; i < 40; i++) random_scene_add(&r, scene, SAG_SHAPE_MESH, 1);
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    saved file = saved_from(scene, NULL, NULL);
+    sag_scene_destroy(scene);
+    return file;
+}
+
+// A child that is a node, or a leaf, of the file's only scene.
+static uint32_t *some_child(saved *file, bool leaf) {
+    place nodes = find(file, SAGI_FILE_NODES, 0);
+    sagi_bvh_node *n = (void *)(file->bytes + nodes.at);
+    for (size_t k = 0; k < nodes.bytes / sizeof *n; k++)
+        for (int i = 0; i < SAGI_BVH_WIDTH; i++)
+            if (n[k].plane[0][i] <= n[k].plane[3][i] && ((n[k].child[i] & SAGI_BVH_LEAF) != 0) == leaf)
+                return &n[k].child[i];
+    fail();
+    return NULL;
+}
+
+static void assert_refused(saved *file) {
+    rng r = rng_make(14);
+    assert_false(try_it(&r, file));
+    saved_free(file);
+}
+
+static void tree_in_circles(void **state) {
+    (void)state;
+    saved file = mesh_file_in_memory();
+    *some_child(&file, true) = 0; // the root
+    assert_refused(&file);
+    file = mesh_file_in_memory();
+    *some_child(&file, true) = *some_child(&file, false); // a node with two parents
+    assert_refused(&file);
+    file = mesh_file_in_memory();
+    *some_child(&file, false) = 0;
+    assert_refused(&file);
+}
+
+// A chain of more levels than a traversal has room for: each node has one child.
+static void tree_too_deep(void **state) {
+    (void)state;
+    for (uint32_t levels = SAGI_BVH_MAX_DEPTH; levels <= SAGI_BVH_MAX_DEPTH + 1; levels++) {
+        rng r = rng_make(15);
+        saved file = mesh_file_in_memory();
+        place scene = find(&file, SAGI_FILE_SCENE, 0), nodes = find(&file, SAGI_FILE_NODES, 0);
+        sagi_file_scene *d = (void *)(file.bytes + scene.at);
+        sagi_bvh_node chain[SAGI_BVH_MAX_DEPTH + 1];
+        for (uint32_t n = 0; n < levels; n++)
+            for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
+                for (int k = 0; k < 3; k++)
+                    chain[n].plane[k][i] = i == 0 ? -1 : INFINITY,
+                    chain[n].plane[3 + k][i] = i == 0 ? 1 : -INFINITY;
+                chain[n].child[i] = i > 0 ? 0 : n + 1 < levels ? n + 1 : SAGI_BVH_LEAF;
+            }
+        // The file again, with the chain for its nodes.
+        size_t bytes = levels * sizeof *chain, rest = nodes.at + (nodes.bytes + 63) / 64 * 64;
+        saved made = {.bytes = calloc(1, file.count + bytes + 64)};
+        d->node_count = d->depth = levels, d->leaf_count = 1;
+        memcpy(made.bytes, file.bytes, nodes.at);
+        ((sagi_file_section *)(void *)(made.bytes + nodes.at) - 1)->bytes = bytes;
+        memcpy(made.bytes + nodes.at, chain, bytes);
+        size_t end = nodes.at + (bytes + 63) / 64 * 64;
+        memcpy(made.bytes + end, file.bytes + rest, file.count - rest);
+        made.count = end + file.count - rest;
+        ((sagi_file_head *)(void *)made.bytes)->bytes = made.count;
+        assert_int_equal(try_it(&r, &made), levels == SAGI_BVH_MAX_DEPTH);
+        saved_free(&made), saved_free(&file);
+    }
+}
+
+static void leaf_beyond_the_end(void **state) {
+    (void)state;
+    saved file = mesh_file_in_memory();
+    uint32_t units = (uint32_t)(find(&file, SAGI_FILE_LEAVES, 0).bytes / SAGI_BVH_UNIT);
+    *some_child(&file, true) = SAGI_BVH_LEAF | (units - 1); // begins inside, ends outside, or in the middle
+    assert_refused(&file);
+    file = mesh_file_in_memory();
+    *some_child(&file, true) = SAGI_BVH_LEAF | units;
+    assert_refused(&file);
+}
+
+static void triangle_that_is_not_there(void **state) {
+    (void)state;
+    saved file = mesh_file_in_memory();
+    sagi_triangle_block *block = (void *)(file.bytes + find(&file, SAGI_FILE_LEAVES, 0).at);
+    block->primitive[0] = 8;
+    assert_refused(&file);
+    file = mesh_file_in_memory();
+    block = (void *)(file.bytes + find(&file, SAGI_FILE_LEAVES, 0).at);
+    block->head.geometry = 40;
+    assert_refused(&file);
+}
+
+static void index_out_of_range(void **state) {
+    (void)state;
+    saved file = mesh_file_in_memory();
+    for (size_t at = sizeof(sagi_file_head); at < file.count;) {
+        sagi_file_section *s = (void *)(file.bytes + at);
+        at += sizeof *s;
+        if (s->tag == SAGI_FILE_ARRAY && s->part == 3) *(uint32_t *)(void *)(file.bytes + at) = 6;
+        at += (s->bytes + 63) / 64 * 64;
+    }
+    assert_refused(&file);
+}
+
+static void shape_that_is_not_valid(void **state) {
+    (void)state;
+    sag_scene *scene = sag_scene_create(context);
+    sag_add_sphere(scene, &(sag_sphere){.radius = 1});
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    saved file = saved_from(scene, NULL, NULL);
+    sag_scene_destroy(scene);
+    sagi_file_geometry *g = (void *)(file.bytes + find(&file, SAGI_FILE_GEOMETRIES, 0).at);
+    g->number[3] = -1;
+    saved_seal(&file);
+    sag_error error = {0};
+    assert_int_equal(saved_read(context, file.bytes, file.count, &scene, &error), SAG_ERROR_FORMAT);
+    assert_non_null(strstr(error.message, "geometry 0: sphere: radius -1"));
+    saved_free(&file);
+}
+
+// An instance may only show what came before it.
+static void instances_in_circles(void **state) {
+    (void)state;
+    saved file = make_file(16, 12);
+    place table = find(&file, SAGI_FILE_GEOMETRIES, 1);
+    sagi_file_geometry *g = (void *)(file.bytes + table.at);
+    g[table.bytes / sizeof *g - 1].child = 1;
+    assert_refused(&file);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_word),
+        cmocka_unit_test(any_child),
+        cmocka_unit_test(tree_in_circles),
+        cmocka_unit_test(tree_too_deep),
+        cmocka_unit_test(leaf_beyond_the_end),
+        cmocka_unit_test(triangle_that_is_not_there),
+        cmocka_unit_test(index_out_of_range),
+        cmocka_unit_test(shape_that_is_not_valid),
+        cmocka_unit_test(instances_in_circles),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
