@@ -138,9 +138,12 @@ static sagi_file_geometry describe_geometry(const writer *w, const sagi_snapshot
 
 static void put_geometries(writer *w, const sagi_snapshot *s, uint32_t number) {
     size_t bytes = s->count * sizeof(sagi_file_geometry);
-    sagi_file_geometry *all = w->write != NULL ? sag_allocate(s->context, bytes) : NULL;
-    if (w->write != NULL && all == NULL && bytes > 0) w->status = SAG_ERROR_MEMORY;
     if (w->status != SAG_OK) return;
+    sagi_file_geometry *all = w->write != NULL ? sag_allocate(s->context, bytes) : NULL;
+    if (w->write != NULL && all == NULL && bytes > 0) {
+        w->status = SAG_ERROR_MEMORY;
+        return;
+    }
     for (uint32_t i = 0; i < s->count && all != NULL; i++) all[i] = describe_geometry(w, s, i);
     put_section(w, (sagi_file_section){.tag = SAGI_FILE_GEOMETRIES, .scene = number}, all, bytes);
     sag_release(s->context, all, bytes);
