@@ -154,16 +154,20 @@ typedef struct result {
     size_t rays, met;
     double mrays[CONTENDER_COUNT]; // millions of rays a second; 0: did not take part
     size_t batch_differs;          // rays to which batch and single call answer differently
+    size_t planted;                // answers of Sagitta's that were spoiled on purpose
     settled settled;
 } result;
 
 // Every contender once a repeat, each time another one first; the median counts. fast and robust may be NULL.
+// `plant`: spoil some answers, to see them found.
 void measure_set(result *r, const model *m, const ray_set *set, const subject *s, const peer *fast,
-                 const peer *robust, uint32_t repeats);
+                 const peer *robust, uint32_t repeats, bool plant);
 
 // ---- settle.c: who is right where answers differ.
 settled settle(const model *m, const ray_set *set, const sag_scene *scene, const peer *fast,
                const peer *robust, const answer *of_sagitta, const answer *of_fast, const answer *of_robust);
+// Spoils some of Sagitta's answers; returns how many.
+size_t plant_errors(const model *m, const ray_set *set, answer *answers);
 
 // ---- tables.c, summary.c, json.c
 typedef struct build_result {

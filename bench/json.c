@@ -103,8 +103,25 @@ static cJSON *of_build(const build_result *b) {
     return o;
 }
 
+// As Linux tells it; elsewhere "unknown".
+static void processor_name(char *name, size_t size) {
+    snprintf(name, size, "unknown");
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    char line[256];
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        const char *colon = strchr(line, ':');
+        if (strncmp(line, "model name", 10) != 0 || colon == NULL) continue;
+        snprintf(name, size, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+        break;
+    }
+    if (file != NULL) fclose(file);
+}
+
 bool json_write(const report *r, const char *path) {
     cJSON *all = cJSON_CreateObject();
+    char cpu[128];
+    processor_name(cpu, sizeof cpu);
+    cJSON_AddStringToObject(all, "processor", cpu);
     cJSON_AddStringToObject(all, "sagitta", SAG_VERSION);
     if (peer_name() != NULL)
         cJSON_AddStringToObject(all, "peer", peer_name());

@@ -50,10 +50,11 @@ static void race(contender c[CONTENDER_COUNT], uint32_t repeats) {
 
 static void compare(result *r, const model *m, const ray_set *set, const subject_run *single,
                     const subject_run *batch, const peer *fast, const peer *robust, const peer_run *fast_run,
-                    const peer_run *robust_run) {
+                    const peer_run *robust_run, bool plant) {
     answer *answers = need(set->count * sizeof *answers);
     subject_answers(single, answers);
     for (size_t i = 0; i < set->count; i++) r->met += answers[i].primitive != SAG_INVALID_ID;
+    if (plant) r->planted = plant_errors(m, set, answers);
     r->batch_differs = count_differing(single, batch);
     if (fast != NULL) {
         answer *of_fast = need(set->count * sizeof *of_fast),
@@ -68,7 +69,7 @@ static void compare(result *r, const model *m, const ray_set *set, const subject
 }
 
 void measure_set(result *r, const model *m, const ray_set *set, const subject *s, const peer *fast,
-                 const peer *robust, uint32_t repeats) {
+                 const peer *robust, uint32_t repeats, bool plant) {
     if (repeats > MOST_REPEATS) repeats = MOST_REPEATS;
     r->rays = set->count;
     if (set->count == 0) return;
@@ -89,7 +90,7 @@ void measure_set(result *r, const model *m, const ray_set *set, const subject *s
     c[EMBREE_COHERENT] = (contender){.reset = peer_reset, .trace = peer_trace, .run = coherent_run};
 
     race(c, 1);
-    compare(r, m, set, &single, &batch, fast, robust, fast_run, robust_run);
+    compare(r, m, set, &single, &batch, fast, robust, fast_run, robust_run, plant);
     race(c, repeats);
     for (int i = 0; i < CONTENDER_COUNT && repeats > 0; i++)
         if (c[i].run != NULL) r->mrays[i] = (double)set->count / 1e6 / median(c[i].seconds, repeats);
