@@ -30,7 +30,17 @@ static void partition(sagi_bvh_primitive *primitives, const sagi_split *split, u
     *left = sagi_extent_box(&l), *right = sagi_extent_box(&r);
 }
 
-void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *nodes, sagi_range range) {
+// Whether the primitives may be one leaf: of one geometry, whose leaves cost the same however many they hold.
+// Others are split down to single ones.
+static bool fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *p, uint32_t count) {
+    if (count > SAGI_BVH_MAX_LEAF) return false;
+    for (uint32_t i = 1; i < count; i++)
+        if (p[i].geometry != p[0].geometry) return false;
+    return !(maker->cost(maker->user, p[0].geometry).each > 0);
+}
+
+void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
+                             sagi_binary_node *nodes, sagi_range range) {
     sagi_range stack[SAGI_BVH_MAX_DEPTH + 1]; // right halves not yet done: one a level at most
     int waiting = 0;
     sagi_bins bins;
@@ -38,6 +48,7 @@ void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *n
         sagi_binary_node *node = &nodes[range.node];
         sagi_split split = {.verdict = SAGI_MAKE_LEAF};
         if (range.count > 1) {
+            range.fits = fits(maker, primitives + range.first, range.count);
             sagi_bins_init(&bins, &range);
             sagi_bins_add(&bins, primitives + range.first, range.count);
             split = sagi_bins_choose(&bins, &range);

@@ -26,6 +26,7 @@ typedef struct sagi_range {
     uint32_t node, first, count, depth;
     sagi_float_box box;       // of the primitives
     sagi_float_box centroids; // of their centroids, times two (lo + hi)
+    bool fits;                // they may be one leaf
 } sagi_range;
 
 // Where a range is cut: primitives whose bin on the axis is < bin go left.
@@ -100,7 +101,8 @@ static inline uint64_t sagi_depth_allows(uint32_t depth) {
 void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 
 // Nodes for the whole range below `range`, on the calling thread.
-void sagi_binary_build_range(sagi_bvh_primitive *primitives, sagi_binary_node *nodes, sagi_range range);
+void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
+                             sagi_binary_node *nodes, sagi_range range);
 
 // The eight-wide tree of a binary one whose root is nodes[0] and whose numbers are below `end`. Changes the
 // inner nodes' counts. SAG_ERROR_MEMORY leaves *tree alone.

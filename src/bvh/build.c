@@ -17,6 +17,7 @@ typedef struct chunk {
 
 typedef struct builder {
     const sag_context *context;
+    const sagi_leaf_maker *maker;
     sagi_bvh_primitive *primitives, *scratch; // scratch: as many, when the range is large
     sagi_binary_node *nodes;
     chunk *chunks;
@@ -151,7 +152,7 @@ static void split_large(builder *b, sagi_range range, sagi_range *left, sagi_ran
 
 static void run_task(void *argument, size_t index) {
     builder *b = argument;
-    sagi_binary_build_range(b->primitives, b->nodes, b->tasks[index]);
+    sagi_binary_build_range(b->maker, b->primitives, b->nodes, b->tasks[index]);
 }
 
 static void run_tasks(builder *b) {
@@ -204,7 +205,7 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
     if (count > INT32_MAX) return SAG_ERROR_MEMORY; // node numbers go to twice the count
     if (options->quality == SAG_QUALITY_FAST)
         return sagi_bvh_build_fast(context, options, primitives, count, tree);
-    builder b = {.context = context, .primitives = primitives};
+    builder b = {.context = context, .maker = &options->leaves, .primitives = primitives};
     sag_status status = SAG_ERROR_MEMORY;
     if (allocate(&b, count)) {
         sagi_range range = {.count = count};

@@ -4,12 +4,17 @@
 #ifndef SAGI_BVH_LANES_H
 #define SAGI_BVH_LANES_H
 
+#include <stdbool.h>
 #ifdef __SSE2__
 #include <emmintrin.h>
 
 typedef __m128 sagi_lanes;
 
 static inline sagi_lanes sagi_lanes_load(const void *p) { return _mm_loadu_ps((const float *)p); }
+// Three floats; the fourth lane is 0.
+static inline sagi_lanes sagi_lanes_load3(const float *p) {
+    return _mm_movelh_ps(_mm_unpacklo_ps(_mm_load_ss(p), _mm_load_ss(p + 1)), _mm_load_ss(p + 2));
+}
 static inline sagi_lanes sagi_lanes_fill(float x) { return _mm_set1_ps(x); }
 static inline void sagi_lanes_store(float *p, sagi_lanes a) { _mm_storeu_ps(p, a); }
 static inline sagi_lanes sagi_lanes_add(sagi_lanes a, sagi_lanes b) { return _mm_add_ps(a, b); }
@@ -17,6 +22,18 @@ static inline sagi_lanes sagi_lanes_sub(sagi_lanes a, sagi_lanes b) { return _mm
 static inline sagi_lanes sagi_lanes_mul(sagi_lanes a, sagi_lanes b) { return _mm_mul_ps(a, b); }
 static inline sagi_lanes sagi_lanes_min(sagi_lanes a, sagi_lanes b) { return _mm_min_ps(a, b); }
 static inline sagi_lanes sagi_lanes_max(sagi_lanes a, sagi_lanes b) { return _mm_max_ps(a, b); }
+static inline sagi_lanes sagi_lanes_abs(sagi_lanes a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
+// Whether no lane's absolute value is above the limit; NaN is.
+static inline bool sagi_lanes_within(sagi_lanes a, float limit) {
+    return _mm_movemask_ps(_mm_cmple_ps(sagi_lanes_abs(a), _mm_set1_ps(limit))) == 15;
+}
+// (a − origin)·scale, calculated in double and rounded to nearest.
+static inline sagi_lanes sagi_lanes_place(sagi_lanes a, const double origin[4], double scale) {
+    __m128d low = _mm_cvtps_pd(a), high = _mm_cvtps_pd(_mm_movehl_ps(a, a)), by = _mm_set1_pd(scale);
+    low = _mm_mul_pd(_mm_sub_pd(low, _mm_loadu_pd(origin)), by);
+    high = _mm_mul_pd(_mm_sub_pd(high, _mm_loadu_pd(origin + 2)), by);
+    return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high));
+}
 // Replaces the last three bits, 0 ≤ tag < 8.
 static inline sagi_lanes sagi_lanes_tag(sagi_lanes a, int tag) {
     __m128i kept = _mm_and_si128(_mm_castps_si128(a), _mm_set1_epi32(~7));
@@ -28,6 +45,7 @@ static inline void sagi_lanes_to_int(int *p, sagi_lanes a) {
 }
 
 #else
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -41,6 +59,8 @@ static inline sagi_lanes sagi_lanes_load(const void *p) {
     memcpy(&a, p, sizeof a);
     return a;
 }
+// Three floats; the fourth lane is 0.
+static inline sagi_lanes sagi_lanes_load3(const float *p) { return (sagi_lanes){{p[0], p[1], p[2], 0}}; }
 static inline sagi_lanes sagi_lanes_fill(float x) { return (sagi_lanes){{x, x, x, x}}; }
 static inline void sagi_lanes_store(float *p, sagi_lanes a) {
     for (int k = 0; k < 4; k++) p[k] = a.at[k];
@@ -73,6 +93,21 @@ static inline sagi_lanes sagi_lanes_tag(sagi_lanes a, int tag) {
         bits = (bits & ~7u) | (uint32_t)tag;
         memcpy(&a.at[k], &bits, sizeof bits);
     }
+    return a;
+}
+static inline sagi_lanes sagi_lanes_abs(sagi_lanes a) {
+    for (int k = 0; k < 4; k++) a.at[k] = fabsf(a.at[k]);
+    return a;
+}
+// Whether no lane's absolute value is above the limit; NaN is.
+static inline bool sagi_lanes_within(sagi_lanes a, float limit) {
+    bool within = true;
+    for (int k = 0; k < 4; k++) within &= fabsf(a.at[k]) <= limit;
+    return within;
+}
+// (a − origin)·scale, calculated in double and rounded to nearest.
+static inline sagi_lanes sagi_lanes_place(sagi_lanes a, const double origin[4], double scale) {
+    for (int k = 0; k < 4; k++) a.at[k] = (float)(((double)a.at[k] - origin[k]) * scale);
     return a;
 }
 // Rounded towards 0. Only the first three lanes are numbers for certain; the fourth gives 0.

@@ -5,15 +5,20 @@
 // probability area(inside)/area(outside). So a node split into L and R costs, but for a constant,
 //     n_L A_L + n_R A_R,
 // A being areas and the children taken for leaves (MacDonald & Booth, "Heuristics for Ray Tracing Using Space
-// Subdivision", 1990). Splitting goes on down to single primitives; which of them form a leaf together is
-// decided afterwards, when everything above and below is known (forest.c). Only cuts between equal bins of
-// the centroids' extent are tried (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies",
-// 2007).
+// Subdivision", 1990). Splitting goes on down to single primitives, or to what had better be tested at once;
+// which leaves are put together is decided afterwards, when everything above and below is known (forest.c).
+// Only cuts between equal bins of the centroids' extent are tried (Wald, "On fast Construction of SAH-based
+// Bounding Volume Hierarchies", 2007).
 //
 // Bins hold minima, maxima and counts. All three are the same in whatever order primitives are added, so a
 // range may be binned in pieces by several threads and merged: the tree does not depend on their number.
 #include "bvh/binary.h"
 #include <string.h>
+
+// What may be one leaf, at one price for any number of primitives, is cut only when the halves' areas add up
+// to less than this share of the whole: when it is a longish thing, not a patch of a surface. (Cutting
+// whenever it fits down to two makes trees 0.2 % cheaper, with 8 % more memory and more work for builders.)
+#define LEAF_SHARE 0.85f
 
 // A range's primitives stop being worth 16 bins when they are few.
 static int bin_count(uint32_t count) { return count > 24 ? SAGI_MAX_BINS : 8; }
@@ -99,13 +104,19 @@ static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, float
 
 sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
     sagi_split best = {.verdict = range->depth == SAGI_BVH_MAX_DEPTH ? SAGI_MAKE_LEAF : SAGI_HALVE};
-    if (best.verdict == SAGI_MAKE_LEAF) return best;
+    if (best.verdict == SAGI_MAKE_LEAF || (range->fits && range->count <= 2))
+        return (sagi_split){.verdict = SAGI_MAKE_LEAF};
     float best_cost = INFINITY, size = 0;
     for (int axis = 0; axis < 3; axis++)
         size = sagi_float_max(size, range->box.hi[axis] - range->box.lo[axis]);
     uint64_t most = sagi_depth_allows(range->depth + 1);
     for (int axis = 0; axis < 3; axis++)
         if (bins->scale[axis] > 0) choose_on_axis(bins, axis, most, 0x1p-16f * size, &best, &best_cost);
+    if (range->fits) {
+        float halves = sagi_float_box_half_area(&best.left) + sagi_float_box_half_area(&best.right);
+        if (best.verdict == SAGI_HALVE || !(halves < LEAF_SHARE * sagi_float_box_half_area(&range->box)))
+            best.verdict = SAGI_MAKE_LEAF;
+    }
     return best;
 }
 

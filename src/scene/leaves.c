@@ -43,21 +43,62 @@ static void write_references(const sagi_bvh_primitive *p, uint32_t count, sagi_r
         block->reference[i] = (sagi_bvh_reference){sorted[i]->geometry, sorted[i]->primitive};
 }
 
+// The corners of up to eight triangles, coordinate by coordinate like the block's: at[i][k][j] is coordinate
+// k of corner i of triangle j. Where there are fewer, the first is repeated.
+typedef double corners[3][3][SAGI_BVH_WIDTH];
+
+static void read_corners(const sagi_item *item, const sagi_bvh_primitive *p, uint32_t count, corners at) {
+    const sag_mesh *mesh = item->shape;
+    const int place[3] = {0, item->mirrored ? 2 : 1, item->mirrored ? 1 : 2};
+    for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
+        const uint32_t *corner = &mesh->triangles[3 * (size_t)p[j < count ? j : 0].primitive];
+        for (int i = 0; i < 3; i++) {
+            size_t first = 3 * (size_t)corner[place[i]];
+            if (mesh->positions_f32)
+                for (int k = 0; k < 3; k++) at[i][k][j] = (double)mesh->positions_f32[first + (size_t)k];
+            else
+                for (int k = 0; k < 3; k++) at[i][k][j] = mesh->positions_f64[first + (size_t)k];
+        }
+    }
+}
+
+// The largest e for which x · 2^e is at most 65535, x ≥ 0: with x = m · 2^n and m in [1, 2) that is 15 − n
+// or, if m is larger than 65535 / 32768, one less.
+static int grid_exponent(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    int n = (int)(bits >> 52) - 1023;
+    const uint64_t largest = 0xFFFEull << 36; // the fraction of 65535 / 32768
+    int e = SAGI_GRID_BITS - 1 - n - ((bits & ((1ull << 52) - 1)) > largest);
+    return e < SAGI_GRID_MAX_EXPONENT ? e : SAGI_GRID_MAX_EXPONENT;
+}
+
 // The grid: its zero below all corners, its step the smallest power of two with which 16 bits reach the
-// farthest of them. lo and hi are in world units.
-static void choose_grid(const double lo[3], const double hi[3], sagi_block *head, double zero[3]) {
-    const int64_t most = ((int64_t)1 << SAGI_GRID_BASE_BITS) - 1;
+// farthest of them. Corners are in world units, above −1 and below 1.
+static double choose_grid(corners at, sagi_block *head, double zero[3]) {
     double extent = 0;
     for (int k = 0; k < 3; k++) {
-        int64_t base = (int64_t)floor((lo[k] + 1) * 0x1p20);
-        base = base < 0 ? 0 : base > most ? most : base;
+        double lo[SAGI_BVH_WIDTH], hi[SAGI_BVH_WIDTH];
+        for (int j = 0; j < SAGI_BVH_WIDTH; j++) {
+            double a = at[0][k][j], b = at[1][k][j], c = at[2][k][j];
+            double less = a < b ? a : b, more = a > b ? a : b;
+            lo[j] = less < c ? less : c, hi[j] = more > c ? more : c;
+        }
+        for (int half = SAGI_BVH_WIDTH / 2; half > 0; half /= 2)
+            for (int j = 0; j < half; j++) {
+                lo[j] = lo[j] < lo[j + half] ? lo[j] : lo[j + half];
+                hi[j] = hi[j] > hi[j + half] ? hi[j] : hi[j + half];
+            }
+        const int32_t most = (1 << SAGI_GRID_BASE_BITS) - 1; // lo + 1 may be rounded to 2
+        int32_t base = (int32_t)((lo[0] + 1) * 0x1p20);
+        base = base < most ? base : most;
         head->base |= (uint64_t)base << (k * SAGI_GRID_BASE_BITS);
         zero[k] = (double)base * 0x1p-20 - 1;
-        extent = fmax(extent, hi[k] - zero[k]);
+        extent = hi[0] - zero[k] > extent ? hi[0] - zero[k] : extent;
     }
-    int exponent = SAGI_GRID_MAX_EXPONENT;
-    while (ldexp(extent, exponent) > (1 << SAGI_GRID_BITS) - 1) exponent--;
+    int exponent = grid_exponent(extent);
     head->exponent = (uint8_t)exponent;
+    return (double)((uint64_t)1 << exponent);
 }
 
 // A vertex (p − C)·scale errs by 2⁻⁵² in world units at most, which is 2⁻¹² grid steps at most; subtracting
@@ -65,32 +106,25 @@ static void choose_grid(const double lo[3], const double hi[3], sagi_block *head
 // SAGI_GRID_ERROR.
 static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint32_t count,
                             sagi_triangle_block *block) {
-    const sagi_item *item = &s->items[p[0].geometry];
     const double origin[3] = {s->world.origin.x, s->world.origin.y, s->world.origin.z};
-    double at[SAGI_BVH_MAX_LEAF][3][3], lo[3] = {1, 1, 1}, hi[3] = {-1, -1, -1}, zero[3];
-    memset(block, 0, sizeof *block);
-    block->head =
-        (sagi_block){.kind = SAGI_BLOCK_TRIANGLES, .count = (uint8_t)count, .geometry = p[0].geometry};
-    for (uint32_t j = 0; j < count; j++) {
-        sag_vec3 v[3];
-        block->primitive[j] = p[j].primitive;
-        sagi_mesh_triangle(item->shape, p[j].primitive, v);
-        for (int i = 0; i < 3; i++) {
-            const sag_vec3 *from = &v[i == 0 ? 0 : item->mirrored ? 3 - i : i];
-            const double c[3] = {from->x, from->y, from->z};
-            for (int k = 0; k < 3; k++) {
-                double x = (c[k] - origin[k]) * s->world.scale;
-                at[j][i][k] = x;
-                lo[k] = x < lo[k] ? x : lo[k], hi[k] = x > hi[k] ? x : hi[k];
-            }
+    const double scale = s->world.scale;
+    corners at;
+    read_corners(&s->items[p[0].geometry], p, count, at);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++) at[i][k][j] = (at[i][k][j] - origin[k]) * scale;
+    sagi_block head = {.kind = SAGI_BLOCK_TRIANGLES, .count = (uint8_t)count, .geometry = p[0].geometry};
+    double zero[3], steps = choose_grid(at, &head, zero);
+    block->head = head;
+    for (uint32_t j = 0; j < count; j++) block->primitive[j] = p[j].primitive;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            int32_t on_grid[SAGI_BVH_WIDTH];
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++)
+                on_grid[j] = (int32_t)((at[i][k][j] - zero[k]) * steps + 0.5);
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++)
+                block->corner[i][k][j] = (uint16_t)(j < (int)count ? on_grid[j] : 0);
         }
-    }
-    choose_grid(lo, hi, &block->head, zero);
-    double steps = ldexp(1, block->head.exponent);
-    for (uint32_t j = 0; j < count; j++)
-        for (int i = 0; i < 3; i++)
-            for (int k = 0; k < 3; k++)
-                block->corner[i][k][j] = (uint16_t)fmax((at[j][i][k] - zero[k]) * steps + 0.5, 0);
 }
 
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at) {

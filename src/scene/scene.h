@@ -96,6 +96,22 @@ typedef enum sagi_primitive_state {
     SAGI_PRIMITIVE_EMPTY, // an instance of an empty scene
 } sagi_primitive_state;
 
+// What is found out about many primitives.
+typedef struct sagi_survey {
+    sag_box3 bounds; // of the good ones
+    uint32_t good, not_finite, degenerate, unbounded;
+} sagi_survey;
+
+// Adds a mesh's triangles [first, first + count) to the survey (mesh_boxes.c).
+void sagi_mesh_survey(const sag_mesh *mesh, uint32_t first, uint32_t count, sagi_survey *survey);
+// Writes the boxes of the good ones of them in the world's units; returns where the next would go. all_good:
+// it is known that all are.
+sagi_bvh_primitive *sagi_mesh_boxes(const sagi_world *world, uint32_t geometry, uint32_t first,
+                                    uint32_t count, bool all_good, sagi_bvh_primitive *out);
+// A box in the world's units, rounded outward.
+sagi_bvh_primitive sagi_world_primitive(const sagi_world *world, const sag_box3 *box, uint32_t geometry,
+                                        uint32_t primitive);
+
 // How many primitives a geometry has, and the box of one in the scene's space (written when it is good).
 uint32_t sagi_primitive_count(const sagi_snapshot *snapshot, uint32_t geometry);
 sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,

@@ -11,8 +11,7 @@
 #define CHUNK 4096u
 
 typedef struct chunk {
-    sag_box3 bounds; // of the good ones
-    uint32_t good, not_finite, degenerate, unbounded;
+    sagi_survey found;
     uint64_t good_first, unbounded_first; // where this chunk's go
 } chunk;
 
@@ -48,32 +47,50 @@ static visitor visit(const work *w, size_t index) {
     return v;
 }
 
-static bool next(visitor *v, uint32_t *geometry, uint32_t *primitive) {
+// Primitives of one geometry that follow one another.
+typedef struct run {
+    uint32_t geometry, first, count;
+} run;
+
+static bool next(visitor *v, run *r) {
     if (v->at == v->end) return false;
     while (v->at >= v->w->first[v->geometry + 1]) v->geometry++;
-    *geometry = v->geometry;
-    *primitive = (uint32_t)(v->at++ - v->w->first[v->geometry]);
+    uint64_t end = v->w->first[v->geometry + 1];
+    r->geometry = v->geometry;
+    r->first = (uint32_t)(v->at - v->w->first[v->geometry]);
+    r->count = (uint32_t)((end < v->end ? end : v->end) - v->at);
+    v->at += r->count;
     return true;
+}
+
+static void survey_run(const sagi_snapshot *s, run r, sagi_survey *found) {
+    for (uint32_t i = r.first; i < r.first + r.count; i++) {
+        sag_box3 box;
+        switch (sagi_primitive_box(s, r.geometry, i, &box)) {
+        case SAGI_PRIMITIVE_GOOD:
+            found->good++;
+            found->bounds = sag_box3_union(found->bounds, box);
+            break;
+        case SAGI_PRIMITIVE_NOT_FINITE: found->not_finite++; break;
+        case SAGI_PRIMITIVE_DEGENERATE: found->degenerate++; break;
+        case SAGI_PRIMITIVE_UNBOUNDED: found->unbounded++; break;
+        case SAGI_PRIMITIVE_EMPTY: break;
+        }
+    }
 }
 
 static void survey(void *argument, size_t index) {
     const work *w = argument;
-    chunk c = {.bounds = sag_box3_empty()};
+    sagi_survey found = {.bounds = sag_box3_empty()};
     visitor v = visit(w, index);
-    for (uint32_t geometry, primitive; next(&v, &geometry, &primitive);) {
-        sag_box3 box;
-        switch (sagi_primitive_box(w->snapshot, geometry, primitive, &box)) {
-        case SAGI_PRIMITIVE_GOOD:
-            c.good++;
-            c.bounds = sag_box3_union(c.bounds, box);
-            break;
-        case SAGI_PRIMITIVE_NOT_FINITE: c.not_finite++; break;
-        case SAGI_PRIMITIVE_DEGENERATE: c.degenerate++; break;
-        case SAGI_PRIMITIVE_UNBOUNDED: c.unbounded++; break;
-        case SAGI_PRIMITIVE_EMPTY: break;
-        }
+    for (run r; next(&v, &r);) {
+        const sagi_item *item = &w->snapshot->items[r.geometry];
+        if (item->kind == SAG_SHAPE_MESH)
+            sagi_mesh_survey(item->shape, r.first, r.count, &found);
+        else
+            survey_run(w->snapshot, r, &found);
     }
-    w->chunks[index] = c;
+    w->chunks[index].found = found;
 }
 
 // (x − origin)·scale rounded down: the difference errs by at most 2⁻⁵³ of itself, the scaling not at all but
@@ -84,28 +101,40 @@ static float float_below(double x, double origin, double scale) {
 }
 static float float_above(double x, double origin, double scale) { return -float_below(-x, -origin, scale); }
 
+sagi_bvh_primitive sagi_world_primitive(const sagi_world *world, const sag_box3 *box, uint32_t geometry,
+                                        uint32_t primitive) {
+    const sag_vec3 o = world->origin;
+    const double scale = world->scale;
+    return (sagi_bvh_primitive){
+        .lo = {float_below(box->min.x, o.x, scale), float_below(box->min.y, o.y, scale),
+               float_below(box->min.z, o.z, scale)},
+        .geometry = geometry,
+        .hi = {float_above(box->max.x, o.x, scale), float_above(box->max.y, o.y, scale),
+               float_above(box->max.z, o.z, scale)},
+        .primitive = primitive,
+    };
+}
+
 static void write_boxes(void *argument, size_t index) {
     const work *w = argument;
     sagi_snapshot *s = w->snapshot;
-    sagi_bvh_primitive *out = w->primitives + w->chunks[index].good_first;
-    uint64_t unbounded = w->chunks[index].unbounded_first;
-    sag_vec3 o = s->world.origin;
-    double scale = s->world.scale;
+    const chunk *c = &w->chunks[index];
+    sagi_bvh_primitive *out = w->primitives + c->good_first;
+    uint64_t unbounded = c->unbounded_first;
     visitor v = visit(w, index);
-    for (uint32_t geometry, primitive; next(&v, &geometry, &primitive);) {
-        sag_box3 box;
-        sagi_primitive_state state = sagi_primitive_box(s, geometry, primitive, &box);
-        if (state == SAGI_PRIMITIVE_UNBOUNDED)
-            s->unbounded[unbounded++] = (sagi_bvh_reference){geometry, primitive};
-        if (state != SAGI_PRIMITIVE_GOOD) continue;
-        *out++ = (sagi_bvh_primitive){
-            .lo = {float_below(box.min.x, o.x, scale), float_below(box.min.y, o.y, scale),
-                   float_below(box.min.z, o.z, scale)},
-            .geometry = geometry,
-            .hi = {float_above(box.max.x, o.x, scale), float_above(box.max.y, o.y, scale),
-                   float_above(box.max.z, o.z, scale)},
-            .primitive = primitive,
-        };
+    bool all_good = c->found.good == v.end - v.at;
+    for (run r; next(&v, &r);) {
+        if (s->items[r.geometry].kind == SAG_SHAPE_MESH) {
+            out = sagi_mesh_boxes(&s->world, r.geometry, r.first, r.count, all_good, out);
+            continue;
+        }
+        for (uint32_t i = r.first; i < r.first + r.count; i++) {
+            sag_box3 box;
+            sagi_primitive_state state = sagi_primitive_box(s, r.geometry, i, &box);
+            if (state == SAGI_PRIMITIVE_UNBOUNDED)
+                s->unbounded[unbounded++] = (sagi_bvh_reference){r.geometry, i};
+            if (state == SAGI_PRIMITIVE_GOOD) *out++ = sagi_world_primitive(&s->world, &box, r.geometry, i);
+        }
     }
 }
 
@@ -181,12 +210,12 @@ static void sum_up(work *w) {
     uint64_t good = 0, unbounded = 0;
     s->stats.bounds = sag_box3_empty();
     for (size_t i = 0; i < w->chunk_count; i++) {
-        chunk *c = &w->chunks[i];
-        c->good_first = good, c->unbounded_first = unbounded;
-        good += c->good, unbounded += c->unbounded;
-        s->stats.dropped_not_finite += c->not_finite;
-        s->stats.dropped_degenerate += c->degenerate;
-        s->stats.bounds = sag_box3_union(s->stats.bounds, c->bounds);
+        const sagi_survey *found = &w->chunks[i].found;
+        w->chunks[i].good_first = good, w->chunks[i].unbounded_first = unbounded;
+        good += found->good, unbounded += found->unbounded;
+        s->stats.dropped_not_finite += found->not_finite;
+        s->stats.dropped_degenerate += found->degenerate;
+        s->stats.bounds = sag_box3_union(s->stats.bounds, found->bounds);
     }
     w->good = good;
     s->stats.primitive_count = good + unbounded;
