@@ -191,13 +191,13 @@ static void add_spread(sagi_snapshot *s, const sagi_place *place, const sagi_wor
 }
 
 void sagi_snapshot_measure(sagi_snapshot *s) {
-    describe_units(s);
     const sag_box3 *b = &s->stats.bounds;
     if (!sag_box3_is_empty(b))
         s->radius = fmax(sag_max_component(sag_abs(b->min)), sag_max_component(sag_abs(b->max)));
     for (uint32_t i = 0; i < s->count; i++)
         if (s->entries[i].present && (s->items[i].place != NULL || s->items[i].child != NULL))
             add_spread(s, s->items[i].place, s->items[i].child);
+    describe_units(s);
     s->stats.node_count = s->world.tree.node_count;
     s->stats.leaf_count = s->world.tree.leaf_count;
     s->stats.depth = s->world.tree.depth;
