@@ -54,9 +54,9 @@ clean:
 
 # Everything, by gcc and by clang, warnings being errors; the tests run in both.
 build/check: FORCE
-	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ >/dev/null
+	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DSAGITTA_BENCH=ON -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ >/dev/null
 build/clang: FORCE
-	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ >/dev/null
+	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DSAGITTA_BENCH=ON -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ >/dev/null
 FORCE:
 
 .PHONY: all deps deps-build deps-test deps-lint demo check lint bench install clean FORCE

@@ -54,7 +54,7 @@ static void compare(result *r, const model *m, const ray_set *set, const subject
     answer *answers = need(set->count * sizeof *answers);
     subject_answers(single, answers);
     for (size_t i = 0; i < set->count; i++) r->met += answers[i].primitive != SAG_INVALID_ID;
-    if (plant) r->planted = plant_errors(m, set, answers);
+    if (plant && fast != NULL) r->planted = plant_errors(m, set, answers);
     r->batch_differs = count_differing(single, batch);
     if (fast != NULL) {
         answer *of_fast = need(set->count * sizeof *of_fast),
