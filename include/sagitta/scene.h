@@ -75,6 +75,32 @@ SAG_API sag_status sag_geometry_set_user_data(sag_scene *scene, uint32_t geometr
 SAG_API sag_status sag_geometry_set_face_forward(sag_scene *scene, uint32_t geometry, bool face_forward);
 /// Takes a geometry out of (or back into) the scene without forgetting it. On by default.
 SAG_API sag_status sag_geometry_set_enabled(sag_scene *scene, uint32_t geometry, bool enabled);
+/// Replaces a geometry's description by another of the same kind, copied as sag_add_shape does: a mesh's
+/// vertices, a sphere's radius, anything. Its id, transform, mask and the rest stay. Queries see it after the
+/// next commit; the description that sag_geometry_get gave is gone at once. SAG_ERROR_ARGUMENT for an unknown
+/// id, an instance, or a kind that is not the geometry's; SAG_ERROR_GEOMETRY for an invalid shape,
+/// SAG_ERROR_MEMORY: in all of these nothing is changed, and the error says why.
+SAG_API sag_status sag_geometry_set_shape(sag_scene *scene, uint32_t geometry, sag_shape_kind kind,
+                                          const void *shape, sag_error *error);
+
+/// What is expected to happen to a geometry between commits, which decides what a commit costs after it has
+/// changed: its shape or transform, its being there, the scene that an instance shows. (Mask, user data and
+/// facing never cost anything.) Answers do not depend on it, not in a bit (tests/unit/test_update.c).
+typedef enum sag_update {
+    SAG_UPDATE_STATIC = 0, ///< nothing: fastest to trace. When one such changes, all of them are built anew
+    SAG_UPDATE_REBUILD,    ///< changes: it alone is built anew, at the scene's quality
+    SAG_UPDATE_REFIT, ///< changes a little: it keeps its tree, whose boxes are renewed. Some times faster
+                      ///< than building, but the tree gets worse as parts move away from their
+                      ///< neighbours (sag_scene_stats.sah says how much); set SAG_UPDATE_REBUILD for one
+                      ///< commit to have it anew. Where the number of primitives changes it is built
+} sag_update;
+
+/// SAG_UPDATE_STATIC at first. Takes effect at the next commit, which builds the geometry anew. Geometries of
+/// few primitives, instances above all, are together in one tree if they are not static, which is soon built.
+/// User-defined shapes are asked for their boxes at every commit: where they are many, or others are, they
+/// had better not be static. SAG_ERROR_ARGUMENT, changing nothing, for an unknown id or value.
+SAG_API sag_status sag_geometry_set_update(sag_scene *scene, uint32_t geometry, sag_update update);
+
 /// Removes a geometry and frees it; its id stays unused.
 SAG_API sag_status sag_geometry_remove(sag_scene *scene, uint32_t geometry);
 
@@ -102,8 +128,9 @@ typedef enum sag_quality {
 /// An instance keeps the quality its own scene was committed with.
 SAG_API sag_status sag_scene_set_quality(sag_scene *scene, sag_quality quality);
 
-/// Makes the scene ready for queries: validates, builds the acceleration structure on the context's threads.
-/// On failure the error says why (the first failed add included) and the scene answers as it did before.
+/// Makes the scene ready for queries: validates, builds the acceleration structure on the context's threads,
+/// as far as it is not as it was at the last commit (sag_update). On failure the error says why (the first
+/// failed add included) and the scene answers as it did before.
 SAG_API sag_status sag_scene_commit(sag_scene *scene, sag_error *error);
 
 /// Writes a committed scene to a file: its geometries, the scenes its instances show (a shared one once) and

@@ -2,12 +2,26 @@
 // Commit: a new snapshot beside the old one, then the exchange. Whatever fails, the old one stays.
 #include "scene/scene.h"
 #include "shapes/shape.h"
+#include <string.h>
+
+// A user's shape is asked for its boxes anew every time.
+bool sagi_geometry_is_as_before(const sagi_snapshot *s, const sagi_snapshot *before, uint32_t id) {
+    if (before == NULL || id >= before->count || !before->entries[id].present) return false;
+    const sagi_entry *a = &s->entries[id], *b = &before->entries[id];
+    return s->items[id].kind == before->items[id].kind && s->items[id].kind != SAG_SHAPE_USER &&
+           a->store == b->store && a->child == b->child && a->placed == b->placed &&
+           (!a->placed || memcmp(&a->place.to_scene, &b->place.to_scene, sizeof a->place.to_scene) == 0);
+}
 
 // A mesh with a transform is moved vertex by vertex; the kernel then sees it without one.
-static sag_status fill_mesh(sagi_snapshot *s, sagi_entry *e, sagi_item *item) {
+static sag_status fill_mesh(sagi_snapshot *s, const sagi_snapshot *before, uint32_t id) {
+    sagi_entry *e = &s->entries[id];
+    sagi_item *item = &s->items[id];
     item->mirrored = e->placed && e->place.mirrored;
     if (!e->placed) return SAG_OK;
-    e->moved = sagi_store_create_moved_mesh(s->context, e->store->shape, &e->place);
+    e->moved = sagi_geometry_is_as_before(s, before, id)
+                   ? sagi_store_retain(before->entries[id].moved)
+                   : sagi_store_create_moved_mesh(s->context, e->store->shape, &e->place);
     if (e->moved == NULL) return SAG_ERROR_MEMORY;
     item->shape = e->moved->shape;
     item->place = NULL;
@@ -27,7 +41,8 @@ static sag_status fill_instance(sagi_snapshot *s, const sagi_geometry *g, sagi_e
     return SAG_OK;
 }
 
-static sag_status fill(sagi_snapshot *s, const sagi_geometry *g, uint32_t id, sag_error *error) {
+static sag_status fill(sagi_snapshot *s, const sagi_snapshot *before, const sagi_geometry *g, uint32_t id,
+                       sag_error *error) {
     sagi_entry *e = &s->entries[id];
     sagi_item *item = &s->items[id];
     e->present = true;
@@ -35,6 +50,7 @@ static sag_status fill(sagi_snapshot *s, const sagi_geometry *g, uint32_t id, sa
     e->user_data = g->user_data;
     e->store = sagi_store_retain(g->store);
     e->placed = g->placed;
+    e->update = g->update;
     if (g->placed && !sagi_place_make(&g->to_scene, &e->place))
         return sag_error_set(error, SAG_ERROR_GEOMETRY, "geometry %u: singular transform", (unsigned)id);
     item->kind = (uint8_t)g->kind;
@@ -44,16 +60,17 @@ static sag_status fill(sagi_snapshot *s, const sagi_geometry *g, uint32_t id, sa
     s->stats.geometry_count++;
     s->stats.geometry_bytes += g->store != NULL ? g->store->bytes : 0;
     sag_status status = SAG_OK;
-    if (g->kind == SAG_SHAPE_MESH) status = fill_mesh(s, e, item);
+    if (g->kind == SAG_SHAPE_MESH) status = fill_mesh(s, before, id);
     if (g->kind == SAG_SHAPE_INSTANCE) return fill_instance(s, g, e, item, error);
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory");
 }
 
 sag_status sagi_snapshot_fill(sagi_snapshot *s, const sag_scene *scene, sag_error *error) {
+    const sagi_snapshot *before = scene->cell->current;
     for (uint32_t i = 0; i < scene->count; i++) {
         const sagi_geometry *g = &scene->geometries[i];
         if (g->removed || g->disabled) continue;
-        sag_status status = fill(s, g, i, error);
+        sag_status status = fill(s, before, g, i, error);
         if (status != SAG_OK) return status;
     }
     return SAG_OK;
@@ -62,7 +79,7 @@ sag_status sagi_snapshot_fill(sagi_snapshot *s, const sag_scene *scene, sag_erro
 static sag_status make(const sag_scene *scene, sagi_snapshot *s, sag_error *error) {
     sag_status status = sagi_snapshot_fill(s, scene, error);
     if (status != SAG_OK) return status;
-    status = sagi_snapshot_build(s);
+    status = sagi_snapshot_build(s, scene->cell->current);
     if (status == SAG_ERROR_ARGUMENT) return sag_error_set(error, status, "more than 2^31 primitives");
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory while building the scene");
 }

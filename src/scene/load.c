@@ -204,8 +204,8 @@ static sag_status get_scene(reader *r, sag_scene *scene) {
     if (status != SAG_OK) return status;
     sagi_snapshot *s = sagi_snapshot_create(r->context, scene->count);
     if (s == NULL) return no_memory(r);
-    scene->cell->current = s;
     status = sagi_snapshot_fill(s, scene, r->error);
+    scene->cell->current = s;
     if (status != SAG_OK) return status;
     take_description(&d, s);
     status = get_tree(r, &d, s);

@@ -135,6 +135,32 @@ sag_status sag_geometry_set_enabled(sag_scene *scene, uint32_t geometry, bool en
     return SAG_OK;
 }
 
+sag_status sag_geometry_set_update(sag_scene *scene, uint32_t geometry, sag_update update) {
+    sagi_geometry *g = find(scene, geometry);
+    if (g == NULL) return SAG_ERROR_ARGUMENT;
+    switch (update) {
+    case SAG_UPDATE_STATIC:
+    case SAG_UPDATE_REBUILD:
+    case SAG_UPDATE_REFIT: g->update = update; return SAG_OK;
+    }
+    return SAG_ERROR_ARGUMENT;
+}
+
+sag_status sag_geometry_set_shape(sag_scene *scene, uint32_t geometry, sag_shape_kind kind, const void *shape,
+                                  sag_error *error) {
+    sagi_geometry *g = find(scene, geometry);
+    if (g == NULL || g->store == NULL || g->kind != kind || shape == NULL)
+        return sag_error_set(error, SAG_ERROR_ARGUMENT, "geometry %u is no %s", (unsigned)geometry,
+                             sag_shape_kind_name(kind));
+    sag_status status = sagi_shape_classes[kind].validate(shape, error);
+    if (status != SAG_OK) return status;
+    sagi_store *store = sagi_store_create(scene->context, kind, shape);
+    if (store == NULL) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a geometry");
+    sagi_store_release(g->store);
+    g->store = store;
+    return SAG_OK;
+}
+
 sag_status sag_geometry_remove(sag_scene *scene, uint32_t geometry) {
     sagi_geometry *g = find(scene, geometry);
     if (g == NULL) return SAG_ERROR_ARGUMENT;

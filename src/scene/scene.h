@@ -52,8 +52,27 @@ typedef struct sagi_entry {
     sagi_store *moved;    // a transformed mesh, else NULL
     sagi_snapshot *child; // of an instance, else NULL
     sagi_place place;
-    bool placed; // place is not the identity
+    bool placed;       // place is not the identity
+    sag_update update; // what is expected of it
 } sagi_entry;
+
+// What is found out about many primitives.
+typedef struct sagi_survey {
+    sag_box3 bounds; // of the good ones
+    uint64_t good, not_finite, degenerate, unbounded;
+} sagi_survey;
+
+// Geometries that share a tree (structure.h).
+typedef enum sagi_group_class { SAGI_GROUP_UNCHANGING, SAGI_GROUP_SMALL, SAGI_GROUP_LARGE } sagi_group_class;
+typedef struct sagi_group {
+    sagi_group_class class;
+    bool may_refit, is_refitted;
+    uint32_t member_first, member_count; // in the snapshot's members
+    sagi_survey found;
+    sagi_bvh tree; // without its arrays: it is a part of the snapshot's, at these nodes and units
+    uint32_t node_first, unit_first;
+    uint64_t unbounded_first; // in the snapshot's unbounded
+} sagi_group;
 
 struct sagi_snapshot {
     sagi_world world;
@@ -64,6 +83,9 @@ struct sagi_snapshot {
     uint32_t count;
     sagi_bvh_reference *unbounded; // world.unbounded
     uint32_t unbounded_capacity;
+    sagi_group *groups; // none in a snapshot that was loaded
+    uint32_t *members;  // ids by group
+    uint32_t group_count, member_count;
     sag_scene_stats stats;
     double radius;       // the largest coordinate of stats.bounds
     sag_quality quality; // that the tree is built with
@@ -75,9 +97,11 @@ sagi_snapshot *sagi_snapshot_retain(sagi_snapshot *snapshot);
 void sagi_snapshot_release(sagi_snapshot *snapshot); // NULL does nothing
 // Fills in the entries and items from the scene's geometries (commit.c).
 sag_status sagi_snapshot_fill(sagi_snapshot *snapshot, const sag_scene *scene, sag_error *error);
-// Fills in tree, bounds and counts from the entries (structure.c). SAG_ERROR_MEMORY, or SAG_ERROR_ARGUMENT
-// for more than 2^31 primitives.
-sag_status sagi_snapshot_build(sagi_snapshot *snapshot);
+// Fills in tree, bounds and counts from the entries, taking over what it can from the snapshot before (may be
+// NULL; groups.c). SAG_ERROR_MEMORY, or SAG_ERROR_ARGUMENT for more than 2^31 primitives.
+sag_status sagi_snapshot_build(sagi_snapshot *snapshot, const sagi_snapshot *before);
+// Whether a geometry is where and what it was, as far as boxes go (commit.c).
+bool sagi_geometry_is_as_before(const sagi_snapshot *snapshot, const sagi_snapshot *before, uint32_t id);
 
 // What follows from entries, units, bounds and tree: the spread, the statistics (structure.c).
 void sagi_snapshot_measure(sagi_snapshot *snapshot);
@@ -95,12 +119,6 @@ typedef enum sagi_primitive_state {
     SAGI_PRIMITIVE_UNBOUNDED,
     SAGI_PRIMITIVE_EMPTY, // an instance of an empty scene
 } sagi_primitive_state;
-
-// What is found out about many primitives.
-typedef struct sagi_survey {
-    sag_box3 bounds; // of the good ones
-    uint32_t good, not_finite, degenerate, unbounded;
-} sagi_survey;
 
 // Adds a mesh's triangles [first, first + count) to the survey (mesh_boxes.c).
 void sagi_mesh_survey(const sag_mesh *mesh, uint32_t first, uint32_t count, sagi_survey *survey);
@@ -139,6 +157,7 @@ void sagi_cell_release(sagi_cell *cell);
 typedef struct sagi_geometry {
     sag_shape_kind kind;
     bool removed, disabled, face_forward, placed;
+    sag_update update;
     uint32_t mask;
     uint64_t user_data;
     sag_affine to_scene; // when placed

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Snapshots and cells: making them and counting who holds them.
-#include "scene/scene.h"
+#include "scene/structure.h"
 #include <string.h>
 
 sagi_snapshot *sagi_snapshot_create(const sag_context *context, uint32_t count) {
@@ -41,6 +41,7 @@ void sagi_snapshot_release(sagi_snapshot *s) {
         sagi_store_release(s->entries[i].moved);
         sagi_snapshot_release(s->entries[i].child);
     }
+    sagi_groups_release(s);
     sagi_bvh_release(s->context, &s->world.tree);
     sag_release(s->context, s->unbounded, s->unbounded_capacity * sizeof *s->unbounded);
     sag_release(s->context, s->items, s->count * sizeof *s->items);

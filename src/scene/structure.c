@@ -1,41 +1,30 @@
 // SPDX-License-Identifier: MIT
-// From a snapshot's geometries to its tree.
+// From a group's geometries to its tree.
 //
-// All primitives of all geometries are numbered through and taken in chunks by all threads, twice: first to
-// find out which are good and where everything lies, then, once it is known, to write their boxes as floats
-// relative to the middle of it all, each chunk to its own place. Nothing depends on who does which chunk.
+// All primitives of all members are numbered through and taken in chunks by all threads, twice: first to
+// find out which are good and where everything lies, then, once the scene's units are known, to write their
+// boxes as floats relative to these, each chunk to its own place. Nothing depends on who does which chunk.
+#include "scene/structure.h"
 #include "base/context.h"
-#include "scene/scene.h"
-#include <string.h>
 
 #define CHUNK 4096u
 
-typedef struct chunk {
+typedef struct sagi_chunk {
     sagi_survey found;
-    uint64_t good_first, unbounded_first; // where this chunk's go
-} chunk;
-
-typedef struct work {
-    sagi_snapshot *snapshot;
-    uint64_t *first; // of each geometry's primitives in the numbering; one more than there are geometries
-    uint64_t count;
-    chunk *chunks;
-    size_t chunk_count;
-    sagi_bvh_primitive *primitives; // in the second round
-    uint64_t good;
-} work;
+    uint64_t good_first, unbounded_first; // where this chunk's go, counted from the group's first
+} sagi_chunk;
 
 // Visits the primitives of a chunk one after the other.
 typedef struct visitor {
-    const work *w;
+    const sagi_structure *w;
     uint64_t at, end;
-    uint32_t geometry;
+    uint32_t member;
 } visitor;
 
-static visitor visit(const work *w, size_t index) {
+static visitor visit(const sagi_structure *w, size_t index) {
     visitor v = {.w = w, .at = (uint64_t)index * CHUNK};
     v.end = w->count - v.at < CHUNK ? w->count : v.at + CHUNK;
-    uint32_t low = 0, high = w->snapshot->count; // the last geometry with first ≤ at
+    uint32_t low = 0, high = w->group->member_count; // the last member with first ≤ at
     while (high - low > 1) {
         uint32_t middle = low + (high - low) / 2;
         if (w->first[middle] <= v.at)
@@ -43,7 +32,7 @@ static visitor visit(const work *w, size_t index) {
         else
             high = middle;
     }
-    v.geometry = low;
+    v.member = low;
     return v;
 }
 
@@ -54,10 +43,11 @@ typedef struct run {
 
 static bool next(visitor *v, run *r) {
     if (v->at == v->end) return false;
-    while (v->at >= v->w->first[v->geometry + 1]) v->geometry++;
-    uint64_t end = v->w->first[v->geometry + 1];
-    r->geometry = v->geometry;
-    r->first = (uint32_t)(v->at - v->w->first[v->geometry]);
+    const sagi_structure *w = v->w;
+    while (v->at >= w->first[v->member + 1]) v->member++;
+    uint64_t end = w->first[v->member + 1];
+    r->geometry = w->snapshot->members[w->group->member_first + v->member];
+    r->first = (uint32_t)(v->at - w->first[v->member]);
     r->count = (uint32_t)((end < v->end ? end : v->end) - v->at);
     v->at += r->count;
     return true;
@@ -80,7 +70,7 @@ static void survey_run(const sagi_snapshot *s, run r, sagi_survey *found) {
 }
 
 static void survey(void *argument, size_t index) {
-    const work *w = argument;
+    const sagi_structure *w = argument;
     sagi_survey found = {.bounds = sag_box3_empty()};
     visitor v = visit(w, index);
     for (run r; next(&v, &r);) {
@@ -116,11 +106,11 @@ sagi_bvh_primitive sagi_world_primitive(const sagi_world *world, const sag_box3 
 }
 
 static void write_boxes(void *argument, size_t index) {
-    const work *w = argument;
+    const sagi_structure *w = argument;
     sagi_snapshot *s = w->snapshot;
-    const chunk *c = &w->chunks[index];
+    const sagi_chunk *c = &w->chunks[index];
     sagi_bvh_primitive *out = w->primitives + c->good_first;
-    uint64_t unbounded = c->unbounded_first;
+    uint64_t unbounded = w->group->unbounded_first + c->unbounded_first;
     visitor v = visit(w, index);
     bool all_good = c->found.good == v.end - v.at;
     for (run r; next(&v, &r);) {
@@ -136,20 +126,6 @@ static void write_boxes(void *argument, size_t index) {
             if (state == SAGI_PRIMITIVE_GOOD) *out++ = sagi_world_primitive(&s->world, &box, r.geometry, i);
         }
     }
-}
-
-// The world's units: its middle, and the power of two that brings everything within [−1, 1].
-static void choose_units(sagi_snapshot *s) {
-    const sag_box3 *b = &s->stats.bounds;
-    s->world.origin = (sag_vec3){0, 0, 0};
-    s->world.scale = 1;
-    if (sag_box3_is_empty(b)) return;
-    sag_vec3 c = sag_scale(sag_add(b->min, b->max), 0.5);
-    double reach = fmax(sag_max_component(sag_sub(b->max, c)), sag_max_component(sag_sub(c, b->min)));
-    int exponent;
-    frexp(reach, &exponent);
-    s->world.origin = c;
-    s->world.scale = ldexp(1, -(exponent < -900 ? -900 : exponent));
 }
 
 // The same for the kernel's eyes; the fourth place means nothing.
@@ -205,65 +181,57 @@ void sagi_snapshot_measure(sagi_snapshot *s) {
     s->stats.structure_bytes = sagi_bvh_bytes(&s->world.tree) + s->unbounded_capacity * sizeof *s->unbounded;
 }
 
-static void sum_up(work *w) {
-    sagi_snapshot *s = w->snapshot;
-    uint64_t good = 0, unbounded = 0;
-    s->stats.bounds = sag_box3_empty();
+static void sum_up(sagi_structure *w) {
+    sagi_survey *all = &w->group->found;
+    *all = (sagi_survey){.bounds = sag_box3_empty()};
     for (size_t i = 0; i < w->chunk_count; i++) {
         const sagi_survey *found = &w->chunks[i].found;
-        w->chunks[i].good_first = good, w->chunks[i].unbounded_first = unbounded;
-        good += found->good, unbounded += found->unbounded;
-        s->stats.dropped_not_finite += found->not_finite;
-        s->stats.dropped_degenerate += found->degenerate;
-        s->stats.bounds = sag_box3_union(s->stats.bounds, found->bounds);
+        w->chunks[i].good_first = all->good, w->chunks[i].unbounded_first = all->unbounded;
+        all->good += found->good, all->unbounded += found->unbounded;
+        all->not_finite += found->not_finite, all->degenerate += found->degenerate;
+        all->bounds = sag_box3_union(all->bounds, found->bounds);
     }
-    w->good = good;
-    s->stats.primitive_count = good + unbounded;
-    s->world.unbounded_count = s->unbounded_capacity = (uint32_t)unbounded;
 }
 
-static void number_primitives(work *w) {
+static size_t first_bytes(const sagi_structure *w) {
+    return (w->group->member_count + (size_t)1) * sizeof *w->first;
+}
+
+sag_status sagi_structure_survey(sagi_structure *w) {
+    const sag_context *context = w->snapshot->context;
+    const uint32_t *members = w->snapshot->members + w->group->member_first;
+    w->first = sag_allocate(context, first_bytes(w));
+    if (w->first == NULL) return SAG_ERROR_MEMORY;
     w->first[0] = 0;
-    for (uint32_t i = 0; i < w->snapshot->count; i++)
-        w->first[i + 1] = w->first[i] + sagi_primitive_count(w->snapshot, i);
-    w->count = w->first[w->snapshot->count];
+    for (uint32_t i = 0; i < w->group->member_count; i++)
+        w->first[i + 1] = w->first[i] + sagi_primitive_count(w->snapshot, members[i]);
+    w->count = w->first[w->group->member_count];
     w->chunk_count = (size_t)((w->count + CHUNK - 1) / CHUNK);
-}
-
-// Both rounds and the tree; w->first and w->chunks are allocated.
-static sag_status build(work *w) {
-    sagi_snapshot *s = w->snapshot;
-    const sag_context *context = s->context;
+    w->chunks = sag_allocate(context, w->chunk_count * sizeof *w->chunks);
+    if (w->chunk_count > 0 && w->chunks == NULL) return SAG_ERROR_MEMORY;
     sag_parallel_for(context, w->chunk_count, survey, w);
     sum_up(w);
-    choose_units(s);
-    if (w->good > INT32_MAX || s->stats.primitive_count > UINT32_MAX) return SAG_ERROR_ARGUMENT;
-    size_t bytes = (size_t)w->good * sizeof *w->primitives;
-    w->primitives = sag_allocate(context, bytes);
-    s->unbounded = sag_allocate(context, s->unbounded_capacity * sizeof *s->unbounded);
-    s->world.unbounded = s->unbounded;
-    sag_status status = SAG_ERROR_MEMORY;
-    if ((w->good == 0 || w->primitives != NULL) && (s->unbounded_capacity == 0 || s->unbounded != NULL)) {
-        sag_parallel_for(context, w->chunk_count, write_boxes, w);
-        sagi_bvh_options options = {.quality = s->quality,
-                                    .leaves = {s, sagi_leaf_price, sagi_leaf_units, sagi_leaf_write}};
-        status = sagi_bvh_build(context, &options, w->primitives, (uint32_t)w->good, &s->world.tree);
-    }
-    sag_release(context, w->primitives, bytes);
+    return SAG_OK;
+}
+
+sag_status sagi_structure_build(sagi_structure *w, sagi_bvh *tree) {
+    sagi_snapshot *s = w->snapshot;
+    size_t bytes = (size_t)w->group->found.good * sizeof *w->primitives;
+    w->primitives = sag_allocate(s->context, bytes);
+    if (bytes > 0 && w->primitives == NULL) return SAG_ERROR_MEMORY;
+    sag_parallel_for(s->context, w->chunk_count, write_boxes, w);
+    sagi_bvh_options options = {.quality = s->quality,
+                                .leaves = {s, sagi_leaf_price, sagi_leaf_units, sagi_leaf_write}};
+    sag_status status =
+        sagi_bvh_build(s->context, &options, w->primitives, (uint32_t)w->group->found.good, tree);
+    sag_release(s->context, w->primitives, bytes);
+    sagi_structure_release(w);
     return status;
 }
 
-sag_status sagi_snapshot_build(sagi_snapshot *s) {
-    work w = {.snapshot = s};
-    size_t first_bytes = ((size_t)s->count + 1) * sizeof *w.first;
-    w.first = sag_allocate(s->context, first_bytes);
-    if (w.first == NULL) return SAG_ERROR_MEMORY;
-    number_primitives(&w);
-    size_t chunk_bytes = w.chunk_count * sizeof *w.chunks;
-    w.chunks = sag_allocate(s->context, chunk_bytes);
-    sag_status status = w.chunks != NULL || chunk_bytes == 0 ? build(&w) : SAG_ERROR_MEMORY;
-    sag_release(s->context, w.chunks, chunk_bytes);
-    sag_release(s->context, w.first, first_bytes);
-    sagi_snapshot_measure(s);
-    return status;
+void sagi_structure_release(sagi_structure *w) {
+    const sag_context *context = w->snapshot->context;
+    sag_release(context, w->chunks, w->chunk_count * sizeof *w->chunks);
+    if (w->first != NULL) sag_release(context, w->first, first_bytes(w));
+    w->chunks = NULL, w->first = NULL, w->chunk_count = 0;
 }
