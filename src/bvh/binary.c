@@ -47,8 +47,8 @@ void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *p
     for (;;) {
         sagi_binary_node *node = &nodes[range.node];
         sagi_split split = {.verdict = SAGI_MAKE_LEAF};
-        if (range.count > 1) {
-            range.fits = fits(maker, primitives + range.first, range.count);
+        range.fits = fits(maker, primitives + range.first, range.count);
+        if (range.count > 2 || (range.count == 2 && !range.fits)) {
             sagi_bins_init(&bins, &range);
             sagi_bins_add(&bins, primitives + range.first, range.count);
             split = sagi_bins_choose(&bins, &range);

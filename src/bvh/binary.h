@@ -42,12 +42,18 @@ typedef struct sagi_split {
 
 #define SAGI_MAX_BINS 16
 
-// Boxes and counts of the primitives in each bin of each axis. The fourth lane means nothing.
+// A bin's box; the fourth lanes mean nothing. Aligned, so that no access crosses a cache line.
+typedef struct sagi_bin {
+    _Alignas(32) float lo[4];
+    float hi[4];
+} sagi_bin;
+
+// Boxes and counts of the primitives in each bin of each axis.
 typedef struct sagi_bins {
-    int count;
-    float origin[4], scale[4];
-    float lo[3][SAGI_MAX_BINS][4], hi[3][SAGI_MAX_BINS][4];
+    sagi_bin at[3][SAGI_MAX_BINS];
     uint32_t held[3][SAGI_MAX_BINS];
+    float origin[4], scale[4];
+    int count;
 } sagi_bins;
 
 // Empty bins that fit the range's centroids.
@@ -61,7 +67,8 @@ sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range);
 
 static inline float sagi_centroid(const sagi_bvh_primitive *p, int axis) { return p->lo[axis] + p->hi[axis]; }
 
-// A primitive's corners; the fourth lanes hold its numbers, taken for floats, and go nowhere.
+// A primitive's corners; the fourth lanes hold its numbers, taken for floats, and go nowhere. (Such floats
+// are mostly denormal, which makes sums and products slow: sagi_lanes_clear before calculating with them.)
 static inline sagi_lanes sagi_lower(const sagi_bvh_primitive *p) { return sagi_lanes_load(p); }
 static inline sagi_lanes sagi_upper(const sagi_bvh_primitive *p) {
     return sagi_lanes_load((const char *)p + offsetof(sagi_bvh_primitive, hi));

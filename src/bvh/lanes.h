@@ -22,6 +22,14 @@ static inline sagi_lanes sagi_lanes_sub(sagi_lanes a, sagi_lanes b) { return _mm
 static inline sagi_lanes sagi_lanes_mul(sagi_lanes a, sagi_lanes b) { return _mm_mul_ps(a, b); }
 static inline sagi_lanes sagi_lanes_min(sagi_lanes a, sagi_lanes b) { return _mm_min_ps(a, b); }
 static inline sagi_lanes sagi_lanes_max(sagi_lanes a, sagi_lanes b) { return _mm_max_ps(a, b); }
+// Lane k of row i becomes lane i of row k.
+static inline void sagi_lanes_transpose(sagi_lanes row[4]) {
+    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+}
+// The fourth lane made 0.
+static inline sagi_lanes sagi_lanes_clear(sagi_lanes a) {
+    return _mm_and_ps(a, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0)));
+}
 static inline sagi_lanes sagi_lanes_abs(sagi_lanes a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
 // Whether no lane's absolute value is above the limit; NaN is.
 static inline bool sagi_lanes_within(sagi_lanes a, float limit) {
@@ -93,6 +101,19 @@ static inline sagi_lanes sagi_lanes_tag(sagi_lanes a, int tag) {
         bits = (bits & ~7u) | (uint32_t)tag;
         memcpy(&a.at[k], &bits, sizeof bits);
     }
+    return a;
+}
+// Lane k of row i becomes lane i of row k.
+static inline void sagi_lanes_transpose(sagi_lanes row[4]) {
+    for (int i = 1; i < 4; i++)
+        for (int k = 0; k < i; k++) {
+            float x = row[i].at[k];
+            row[i].at[k] = row[k].at[i], row[k].at[i] = x;
+        }
+}
+// The fourth lane made 0.
+static inline sagi_lanes sagi_lanes_clear(sagi_lanes a) {
+    a.at[3] = 0;
     return a;
 }
 static inline sagi_lanes sagi_lanes_abs(sagi_lanes a) {

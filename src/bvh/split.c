@@ -37,15 +37,15 @@ void sagi_bins_init(sagi_bins *bins, const sagi_range *range) {
     sagi_lanes none_lo = sagi_lanes_fill(INFINITY), none_hi = sagi_lanes_fill(-INFINITY);
     for (int axis = 0; axis < 3; axis++)
         for (int b = 0; b < bins->count; b++) {
-            sagi_lanes_store(bins->lo[axis][b], none_lo), sagi_lanes_store(bins->hi[axis][b], none_hi);
+            sagi_lanes_store(bins->at[axis][b].lo, none_lo), sagi_lanes_store(bins->at[axis][b].hi, none_hi);
             bins->held[axis][b] = 0;
         }
 }
 
 static inline void extend(sagi_bins *bins, int axis, int b, sagi_lanes lo, sagi_lanes hi, uint32_t count) {
-    float *own_lo = bins->lo[axis][b], *own_hi = bins->hi[axis][b];
-    sagi_lanes_store(own_lo, sagi_lanes_min(lo, sagi_lanes_load(own_lo)));
-    sagi_lanes_store(own_hi, sagi_lanes_max(hi, sagi_lanes_load(own_hi)));
+    sagi_bin *bin = &bins->at[axis][b];
+    sagi_lanes_store(bin->lo, sagi_lanes_min(lo, sagi_lanes_load(bin->lo)));
+    sagi_lanes_store(bin->hi, sagi_lanes_max(hi, sagi_lanes_load(bin->hi)));
     bins->held[axis][b] += count;
 }
 
@@ -54,7 +54,8 @@ void sagi_bins_add(sagi_bins *bins, const sagi_bvh_primitive *primitives, uint32
     for (uint32_t i = 0; i < count; i++) {
         sagi_lanes lo = sagi_lower(&primitives[i]), hi = sagi_upper(&primitives[i]);
         int bin[4];
-        sagi_lanes_to_int(bin, sagi_lanes_mul(sagi_lanes_sub(sagi_lanes_add(lo, hi), origin), scale));
+        sagi_lanes centroid = sagi_lanes_clear(sagi_lanes_add(lo, hi));
+        sagi_lanes_to_int(bin, sagi_lanes_mul(sagi_lanes_sub(centroid, origin), scale));
         for (int axis = 0; axis < 3; axis++) extend(bins, axis, bin[axis], lo, hi, 1);
     }
 }
@@ -62,62 +63,108 @@ void sagi_bins_add(sagi_bins *bins, const sagi_bvh_primitive *primitives, uint32
 void sagi_bins_merge(sagi_bins *bins, const sagi_bins *other) {
     for (int axis = 0; axis < 3; axis++)
         for (int b = 0; b < bins->count; b++)
-            extend(bins, axis, b, sagi_lanes_load(other->lo[axis][b]), sagi_lanes_load(other->hi[axis][b]),
-                   other->held[axis][b]);
+            extend(bins, axis, b, sagi_lanes_load(other->at[axis][b].lo),
+                   sagi_lanes_load(other->at[axis][b].hi), other->held[axis][b]);
 }
 
-// Half the surface of the box, thickened a little: what is flat or straight is still cut where it is best.
-static float area_of(const sagi_float_box *box, float thickness) {
-    float x = box->hi[0] - box->lo[0], y = box->hi[1] - box->lo[1], z = box->hi[2] - box->lo[2];
-    return x * y + y * z + z * x + thickness * (x + y + z);
+// Half the surfaces of boxes of the extents given, four at once, and each times its count. Boxes are
+// thickened a little: what is flat or straight is still cut where it is best. An empty box gives NaN.
+static inline sagi_lanes weighed(const float extent[4][4], const float count[4], float thickness) {
+    sagi_lanes e[4];
+    for (int i = 0; i < 4; i++) e[i] = sagi_lanes_load(extent[i]);
+    sagi_lanes_transpose(e);
+    sagi_lanes xy = sagi_lanes_add(e[0], e[1]), t = sagi_lanes_fill(thickness);
+    sagi_lanes area = sagi_lanes_add(sagi_lanes_mul(e[0], e[1]), sagi_lanes_mul(xy, e[2]));
+    area = sagi_lanes_add(area, sagi_lanes_mul(sagi_lanes_add(xy, e[2]), t));
+    return sagi_lanes_mul(area, sagi_lanes_load(count));
 }
 
-// Boxes and counts of everything right of each cut, then from the left the cheapest cut.
-static void choose_on_axis(const sagi_bins *bins, int axis, uint64_t most, float thickness, sagi_split *best,
-                           float *best_cost) {
-    sagi_float_box right[SAGI_MAX_BINS], box = sagi_float_box_empty();
-    uint32_t right_count[SAGI_MAX_BINS], count = 0;
-    for (int b = bins->count - 1; b > 0; b--) {
-        sagi_float_box_extend(&box, bins->lo[axis][b], bins->hi[axis][b]);
-        right[b] = box, right_count[b] = count += bins->held[axis][b];
+// What is on one side of each cut of an axis: cut b is between the bins b − 1 and b.
+typedef struct side {
+    float extent[SAGI_MAX_BINS][4], count[SAGI_MAX_BINS];
+} side;
+
+// The box of bins that are passed by one after the other.
+typedef struct sweep {
+    sagi_lanes lo, hi;
+    uint32_t count;
+} sweep;
+
+static inline sweep sweep_begin(void) {
+    return (sweep){sagi_lanes_fill(INFINITY), sagi_lanes_fill(-INFINITY), 0};
+}
+static inline void sweep_pass(sweep *s, const sagi_bins *bins, int axis, int b) {
+    s->lo = sagi_lanes_min(sagi_lanes_load(bins->at[axis][b].lo), s->lo);
+    s->hi = sagi_lanes_max(sagi_lanes_load(bins->at[axis][b].hi), s->hi);
+    s->count += bins->held[axis][b];
+}
+static inline void sweep_note(const sweep *s, side *to, int cut) {
+    sagi_lanes_store(to->extent[cut], sagi_lanes_clear(sagi_lanes_sub(s->hi, s->lo)));
+    to->count[cut] = (float)s->count;
+}
+
+// The costs of all cuts; NaN where one side is empty, as for the cut 0.
+static void weigh_cuts(const sagi_bins *bins, int axis, float thickness, float cost[SAGI_MAX_BINS]) {
+    side left, right;
+    sweep l = sweep_begin(), r = sweep_begin();
+    for (int b = 0; b < bins->count; b++) {
+        sweep_note(&l, &left, b);
+        sweep_pass(&l, bins, axis, b);
+        sweep_pass(&r, bins, axis, bins->count - 1 - b);
+        sweep_note(&r, &right, bins->count - 1 - b);
     }
-    box = sagi_float_box_empty(), count = 0;
-    for (int b = 1; b < bins->count; b++) {
-        sagi_float_box_extend(&box, bins->lo[axis][b - 1], bins->hi[axis][b - 1]);
-        count += bins->held[axis][b - 1];
-        if (count == 0 || right_count[b] == 0 || count > most || right_count[b] > most) continue;
-        float cost =
-            (float)count * area_of(&box, thickness) + (float)right_count[b] * area_of(&right[b], thickness);
-        if (cost < *best_cost) {
-            *best_cost = cost;
-            *best = (sagi_split){.verdict = SAGI_SPLIT,
-                                 .axis = axis,
-                                 .bin = b,
-                                 .origin = bins->origin[axis],
-                                 .scale = bins->scale[axis],
-                                 .left_count = count,
-                                 .left = box,
-                                 .right = right[b]};
-        }
-    }
+    for (int b = 0; b < bins->count; b += 4)
+        sagi_lanes_store(cost + b, sagi_lanes_add(weighed(left.extent + b, left.count + b, thickness),
+                                                  weighed(right.extent + b, right.count + b, thickness)));
 }
 
-sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
-    sagi_split best = {.verdict = range->depth == SAGI_BVH_MAX_DEPTH ? SAGI_MAKE_LEAF : SAGI_HALVE};
-    if (best.verdict == SAGI_MAKE_LEAF || (range->fits && range->count <= 2))
-        return (sagi_split){.verdict = SAGI_MAKE_LEAF};
+static uint32_t count_before(const sagi_bins *bins, int axis, int cut) {
+    uint32_t count = 0;
+    for (int b = 0; b < cut; b++) count += bins->held[axis][b];
+    return count;
+}
+
+static sagi_float_box box_between(const sagi_bins *bins, int axis, int begin, int end) {
+    sweep s = sweep_begin();
+    for (int b = begin; b < end; b++) sweep_pass(&s, bins, axis, b);
+    float lo[4], hi[4];
+    sagi_lanes_store(lo, s.lo), sagi_lanes_store(hi, s.hi);
+    return (sagi_float_box){{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+}
+
+// The cheapest cut of all axes that leaves at most `most` primitives on each side; bin 0: there is none.
+static sagi_split cheapest_cut(const sagi_bins *bins, const sagi_range *range, uint64_t most) {
+    sagi_split best = {.verdict = SAGI_SPLIT};
     float best_cost = INFINITY, size = 0;
     for (int axis = 0; axis < 3; axis++)
         size = sagi_float_max(size, range->box.hi[axis] - range->box.lo[axis]);
-    uint64_t most = sagi_depth_allows(range->depth + 1);
-    for (int axis = 0; axis < 3; axis++)
-        if (bins->scale[axis] > 0) choose_on_axis(bins, axis, most, 0x1p-16f * size, &best, &best_cost);
-    if (range->fits) {
-        float halves = sagi_float_box_half_area(&best.left) + sagi_float_box_half_area(&best.right);
-        if (best.verdict == SAGI_HALVE || !(halves < LEAF_SHARE * sagi_float_box_half_area(&range->box)))
-            best.verdict = SAGI_MAKE_LEAF;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(bins->scale[axis] > 0)) continue;
+        float cost[SAGI_MAX_BINS];
+        weigh_cuts(bins, axis, 0x1p-16f * size, cost);
+        for (int b = 1; b < bins->count; b++) {
+            if (!(cost[b] < best_cost)) continue;
+            uint32_t left_count = count_before(bins, axis, b);
+            if (left_count > most || range->count - left_count > most) continue;
+            best_cost = cost[b];
+            best.axis = axis, best.bin = b, best.left_count = left_count;
+        }
     }
+    if (best.bin == 0) return best;
+    best.origin = bins->origin[best.axis], best.scale = bins->scale[best.axis];
+    best.left = box_between(bins, best.axis, 0, best.bin);
+    best.right = box_between(bins, best.axis, best.bin, bins->count);
     return best;
+}
+
+sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
+    const sagi_split leaf = {.verdict = SAGI_MAKE_LEAF}, halve = {.verdict = SAGI_HALVE};
+    if (range->depth == SAGI_BVH_MAX_DEPTH) return leaf;
+    sagi_split best = cheapest_cut(bins, range, sagi_depth_allows(range->depth + 1));
+    if (!range->fits) return best.bin > 0 ? best : halve;
+    float halves = sagi_float_box_half_area(&best.left) + sagi_float_box_half_area(&best.right);
+    bool cut = best.bin > 0 && halves < LEAF_SHARE * sagi_float_box_half_area(&range->box);
+    return cut ? best : leaf;
 }
 
 static bool before(const sagi_bvh_primitive *a, const sagi_bvh_primitive *b, int axis) {
