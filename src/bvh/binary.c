@@ -43,6 +43,7 @@ void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *p
                              sagi_binary_node *nodes, sagi_range range) {
     sagi_range stack[SAGI_BVH_MAX_DEPTH + 1]; // right halves not yet done: one a level at most
     int waiting = 0;
+    uint32_t next = range.node + 1; // nodes stand closely, so that they fill few cache lines
     sagi_bins bins;
     for (;;) {
         sagi_binary_node *node = &nodes[range.node];
@@ -57,15 +58,14 @@ void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *p
             *node = (sagi_binary_node){range.box, range.first, range.count};
             if (waiting == 0) return;
             range = stack[--waiting];
+            nodes[range.node].link = next; // so far that was its parent's number
+            range.node = next++;
             continue;
         }
         uint32_t m = split.verdict == SAGI_HALVE ? range.count / 2 : split.left_count;
-        sagi_range left = {
-            .node = range.node + 1, .first = range.first, .count = m, .depth = range.depth + 1};
-        sagi_range right = {.node = range.node + 2 * m,
-                            .first = range.first + m,
-                            .count = range.count - m,
-                            .depth = range.depth + 1};
+        sagi_range left = {.node = next++, .first = range.first, .count = m, .depth = range.depth + 1};
+        sagi_range right = {
+            .node = range.node, .first = range.first + m, .count = range.count - m, .depth = range.depth + 1};
         if (split.verdict == SAGI_HALVE) {
             sagi_range_halve(primitives, &range);
             measure(primitives, &left), measure(primitives, &right);
@@ -73,7 +73,7 @@ void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *p
             left.box = split.left, right.box = split.right;
             partition(primitives, &split, range.first, range.count, &left.centroids, &right.centroids);
         }
-        *node = (sagi_binary_node){range.box, right.node, 0};
+        *node = (sagi_binary_node){range.box, 0, 0};
         stack[waiting++] = right;
         range = left;
     }

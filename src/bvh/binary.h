@@ -8,9 +8,9 @@
 #include <stddef.h>
 
 // Node s over the primitives [first, first + n). Its left child is node s + 1, its right child node `link`.
-// A subtree over n primitives owns 2n − 1 consecutive numbers beginning with its root's, so that threads
-// number their subtrees without asking each other: with m primitives on the left, the right child is
-// s + 2m. (Leaves of several primitives leave numbers unused.) No node is deeper than SAGI_BVH_MAX_DEPTH
+// A subtree over n primitives stands within the 2n − 1 numbers that begin with its root's, so that threads
+// number their subtrees without asking each other: with m primitives on the left, the right child is s + 2m,
+// or less. (Leaves of several primitives leave numbers unused.) No node is deeper than SAGI_BVH_MAX_DEPTH
 // levels below the root. Leaves may hold the same primitive with several boxes.
 typedef struct sagi_binary_node {
     sagi_float_box box;

@@ -36,8 +36,10 @@ typedef struct sagi_bvh_node {
 } sagi_bvh_node;
 _Static_assert(sizeof(sagi_bvh_node) == 224, "seven times 32 bytes");
 
-#define SAGI_BVH_LEAF 0x80000000u
-#define SAGI_BVH_UNIT ((size_t)64) // bytes
+#define SAGI_BVH_LEAF      0x80000000u
+#define SAGI_BVH_UNIT      ((size_t)64) // bytes
+#define SAGI_BVH_MAX_UNITS 63
+#define SAGI_BVH_MIXED     0xFFFFFFFFu
 
 // Caps that hold together. A leaf has at most SAGI_BVH_MAX_LEAF references and the binary tree at most
 // SAGI_BVH_MAX_DEPTH levels of inner nodes: a node at depth d may hold at most
@@ -72,9 +74,10 @@ typedef struct sagi_leaf_maker {
     const void *user;
     // The cost of a leaf of this geometry.
     sagi_leaf_cost (*cost)(const void *user, uint32_t geometry);
-    // How many units the leaf over these primitives takes, 1 to SAGI_BVH_MAX_LEAF of them.
-    uint32_t (*units)(const void *user, const sagi_bvh_primitive *primitives, uint32_t count);
-    // Writes all of these units.
+    // How many units, 1 to SAGI_BVH_MAX_UNITS, a leaf of 1 to SAGI_BVH_MAX_LEAF primitives takes; no fewer
+    // for more primitives. The geometry is SAGI_BVH_MIXED when they are of several.
+    uint32_t (*units)(const void *user, uint32_t geometry, uint32_t count);
+    // Writes the leaf into these units, which are all 0.
     void (*write)(const void *user, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
 } sagi_leaf_maker;
 

@@ -24,7 +24,7 @@ static family gather(const sagi_binary_node *nodes, sagi_subtree root) {
     } stack[SAGI_BVH_WIDTH];
     int waiting = 0;
     family f = {0};
-    uint32_t trees = sagi_forest_is_leaf(&nodes[root.root]) ? 1 : SAGI_BVH_WIDTH;
+    uint32_t trees = sagi_forest_units(&nodes[root.root]) > 0 ? 1 : SAGI_BVH_WIDTH;
     for (sagi_subtree at = root;;) {
         const sagi_binary_node *n = &nodes[at.root];
         uint32_t left = sagi_binary_leaf_count(n) > 0 ? 0 : sagi_forest_left(n, trees);
@@ -88,12 +88,16 @@ static void write_box(sagi_bvh_node *node, int i, const sagi_float_box *box) {
 }
 
 static uint32_t take_leaf(writer *w, uint32_t root) {
-    sagi_bvh_primitive found[SAGI_BVH_MAX_LEAF];
-    uint32_t count = gather_leaf(w->nodes, w->primitives, root, found), at = w->next_unit;
-    w->next_unit += w->maker->units(w->maker->user, found, count);
+    uint32_t at = w->next_unit, units = sagi_forest_units(&w->nodes[root]);
+    w->next_unit += units;
     w->leaf_count++;
-    if (w->tree->leaves != NULL)
-        w->maker->write(w->maker->user, found, count, w->tree->leaves + at * SAGI_BVH_UNIT);
+    if (w->tree->leaves != NULL) {
+        sagi_bvh_primitive found[SAGI_BVH_MAX_LEAF];
+        uint32_t count = gather_leaf(w->nodes, w->primitives, root, found);
+        unsigned char *to = w->tree->leaves + at * SAGI_BVH_UNIT;
+        memset(to, 0, units * SAGI_BVH_UNIT);
+        w->maker->write(w->maker->user, found, count, to);
+    }
     return SAGI_BVH_LEAF | at;
 }
 
@@ -106,7 +110,7 @@ static int take_node(writer *w, job j, job jobs[SAGI_BVH_WIDTH]) {
     for (int i = 0; i < f.count; i++) {
         const sagi_binary_node *from = &w->nodes[f.member[i].root];
         write_box(&node, i, &from->box);
-        if (sagi_forest_is_leaf(from)) {
+        if (sagi_forest_units(from) > 0) {
             node.child[i] = take_leaf(w, f.member[i].root);
         } else {
             node.child[i] = w->next_node++;

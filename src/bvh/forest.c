@@ -71,12 +71,14 @@ static float leaf_cost(const decider *d, uint32_t geometry, uint32_t count) {
 }
 
 // A leaf of the binary tree stays one, of several geometries if need be.
-static table binary_leaf(const decider *d, const sagi_binary_node *n) {
+static table binary_leaf(const decider *d, sagi_binary_node *n) {
     const sagi_bvh_primitive *p = d->primitives + n->link;
     uint32_t one = n->count;
     float cost = leaf_cost(d, p[0].geometry, n->count);
     for (uint32_t i = 1; i < n->count; i++)
         if (p[i].geometry != p[0].geometry) one = 0;
+    uint32_t units = d->maker->units(d->maker->user, one > 0 ? p[0].geometry : SAGI_BVH_MIXED, n->count);
+    n->count |= units << SAGI_FOREST_BINARY_UNITS;
     return table_of(cost * area_of(d, n), one, p[0].geometry);
 }
 
@@ -104,7 +106,10 @@ static table join(const decider *decide, sagi_binary_node *n, const table *left,
         count = 0;
     if (count > 0) {
         float leaf = leaf_cost(decide, left->geometry, count) * area;
-        if (leaf <= one) one = leaf, choices = SAGI_FOREST_LEAF;
+        if (leaf <= one) {
+            one = leaf;
+            choices = decide->maker->units(decide->maker->user, left->geometry, count) << SAGI_FOREST_UNITS;
+        }
     }
     uint32_t single = bits_of(one) & ~7u;
     memcpy(&one, &single, sizeof one);

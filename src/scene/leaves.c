@@ -20,8 +20,10 @@ sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
     return (sagi_leaf_cost){.all = 0.5f, .each = 2};
 }
 
-uint32_t sagi_leaf_units(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count) {
-    size_t bytes = sagi_block_bytes(kind_of(snapshot, primitives, count), count);
+uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count) {
+    const sagi_snapshot *s = snapshot;
+    bool triangles = geometry != SAGI_BVH_MIXED && s->items[geometry].kind == SAG_SHAPE_MESH;
+    size_t bytes = sagi_block_bytes(triangles ? SAGI_BLOCK_TRIANGLES : SAGI_BLOCK_REFERENCES, count);
     return (uint32_t)((bytes + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT);
 }
 
@@ -50,16 +52,17 @@ typedef double corners[3][3][SAGI_BVH_WIDTH];
 static void read_corners(const sagi_item *item, const sagi_bvh_primitive *p, uint32_t count, corners at) {
     const sag_mesh *mesh = item->shape;
     const int place[3] = {0, item->mirrored ? 2 : 1, item->mirrored ? 1 : 2};
+    // All indices first, then all vertices: so none waits for another to come from memory.
+    size_t first[SAGI_BVH_WIDTH][3];
     for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
         const uint32_t *corner = &mesh->triangles[3 * (size_t)p[j < count ? j : 0].primitive];
-        for (int i = 0; i < 3; i++) {
-            size_t first = 3 * (size_t)corner[place[i]];
-            if (mesh->positions_f32)
-                for (int k = 0; k < 3; k++) at[i][k][j] = (double)mesh->positions_f32[first + (size_t)k];
-            else
-                for (int k = 0; k < 3; k++) at[i][k][j] = mesh->positions_f64[first + (size_t)k];
-        }
+        for (int i = 0; i < 3; i++) first[j][i] = 3 * (size_t)corner[place[i]];
     }
+    for (int j = 0; j < SAGI_BVH_WIDTH; j++)
+        for (int i = 0; i < 3; i++)
+            for (size_t k = 0; k < 3; k++)
+                at[i][k][j] = mesh->positions_f32 ? (double)mesh->positions_f32[first[j][i] + k]
+                                                  : mesh->positions_f64[first[j][i] + k];
 }
 
 // The largest e for which x · 2^e is at most 65535, x ≥ 0: with x = m · 2^n and m in [1, 2) that is 15 − n
@@ -129,7 +132,6 @@ static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p,
 
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at) {
     const sagi_snapshot *s = snapshot;
-    memset(at, 0, sagi_leaf_units(s, primitives, count) * SAGI_BVH_UNIT);
     switch (kind_of(s, primitives, count)) {
     case SAGI_BLOCK_TRIANGLES: write_triangles(s, primitives, count, at); break;
     case SAGI_BLOCK_REFERENCES: write_references(primitives, count, at); break;

@@ -108,7 +108,7 @@ void sagi_snapshot_measure(sagi_snapshot *snapshot);
 
 // The makers of leaves (leaves.c); `snapshot` has its units and items.
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry);
-uint32_t sagi_leaf_units(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count);
+uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count);
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
 
 // What became of a primitive on its way to the tree.

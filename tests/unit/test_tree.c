@@ -26,8 +26,8 @@ static sagi_leaf_cost leaf_cost(const void *user, uint32_t geometry) {
     return geometry % 2 == 0 ? (sagi_leaf_cost){.all = 1.2f} : (sagi_leaf_cost){.all = 0.5f, .each = 2};
 }
 
-static uint32_t leaf_units(const void *user, const sagi_bvh_primitive *primitives, uint32_t count) {
-    (void)user, (void)primitives;
+static uint32_t leaf_units(const void *user, uint32_t geometry, uint32_t count) {
+    (void)user, (void)geometry;
     return count <= 6 ? 1 : 2;
 }
 
@@ -36,8 +36,8 @@ static void leaf_write(const void *user, const sagi_bvh_primitive *primitives, u
     assert_in_range(count, 1, SAGI_BVH_MAX_LEAF);
     for (uint32_t i = 0; i < count; i++)
         leaf.at[i] = (sagi_bvh_reference){primitives[i].geometry, primitives[i].primitive};
-    size_t bytes = leaf_units(user, primitives, count) * SAGI_BVH_UNIT;
-    memset(at, 0, bytes);
+    size_t bytes = leaf_units(user, primitives[0].geometry, count) * SAGI_BVH_UNIT;
+    for (size_t i = 0; i < bytes; i++) assert_int_equal(((const unsigned char *)at)[i], 0);
     memcpy(at, &leaf, sizeof leaf < bytes ? sizeof leaf : bytes);
 }
 
