@@ -20,8 +20,8 @@ static sagi_leaf_cost top_price(const void *user, uint32_t group) {
     (void)user, (void)group;
     return (sagi_leaf_cost){.each = 1};
 }
-static uint32_t top_units(const void *user, const sagi_bvh_primitive *primitives, uint32_t count) {
-    (void)user, (void)primitives, (void)count;
+static uint32_t top_units(const void *user, uint32_t group, uint32_t count) {
+    (void)user, (void)group, (void)count;
     return 1;
 }
 static void top_write(const void *user, const sagi_bvh_primitive *primitives, uint32_t count, void *at) {

@@ -86,7 +86,7 @@ static bool is_as_before(const sagi_snapshot *s, const sagi_group *g, const sagi
     return true;
 }
 
-static void plan(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs) {
+static void plan(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs, bool no_refits) {
     for (uint32_t i = 0, at = 0; i < s->group_count; i++) {
         sagi_group *g = &s->groups[i];
         jobs[i] = (sagi_job){.work = {.snapshot = s, .group = g}};
@@ -96,24 +96,20 @@ static void plan(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs) {
         bool wanted_anew = b->is_refitted && !g->may_refit;
         if (is_as_before(s, g, old) && !wanted_anew)
             jobs[i].plan = SAGI_KEEP;
-        else if (g->may_refit &&
+        else if (g->may_refit && !no_refits &&
                  s->items[s->members[g->member_first]].kind == old->items[s->members[g->member_first]].kind)
             jobs[i].plan = SAGI_REFIT;
     }
 }
 
-// Whether the primitives in the old tree are the good ones of today. There are as many; so it is enough that
-// each of them is good.
-static bool has_same_primitives(const sagi_snapshot *s, const sagi_snapshot *old, const sagi_job *j) {
-    const sagi_group *g = j->work.group, *b = j->before;
-    uint32_t id = s->members[g->member_first];
-    if (g->found.good == 0 || g->found.good != b->found.good) return false;
-    if (g->found.unbounded > 0 || b->found.unbounded > 0) return false;
-    return g->found.good == sagi_primitive_count(s, id) || sagi_refit_is_possible(s, old, b);
+// Whether the good primitives can be those that were. There are as many; if each that is in the tree is good,
+// which sagi_refit sees, they are.
+static bool may_be_same(const sagi_survey *now, const sagi_survey *before) {
+    return now->good > 0 && now->good == before->good && now->unbounded == 0 && before->unbounded == 0;
 }
 
 // What is found out about the primitives; a kept group's are as they were.
-static sag_status survey(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs) {
+static sag_status survey(sagi_snapshot *s, sagi_job *jobs) {
     for (uint32_t i = 0; i < s->group_count; i++) {
         sagi_job *j = &jobs[i];
         sag_status status = SAG_OK;
@@ -122,7 +118,8 @@ static sag_status survey(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *j
         else if (j->work.first == NULL)
             status = sagi_structure_survey(&j->work);
         if (status != SAG_OK) return status;
-        if (j->plan == SAGI_REFIT && !has_same_primitives(s, old, j)) j->plan = SAGI_BUILD;
+        if (j->plan == SAGI_REFIT && !may_be_same(&s->groups[i].found, &j->before->found))
+            j->plan = SAGI_BUILD;
     }
     return SAG_OK;
 }
@@ -193,29 +190,39 @@ static sag_status take_unbounded(sagi_snapshot *s, const sagi_snapshot *old, con
     return SAG_OK;
 }
 
-// Everything but the groups themselves; `jobs` is one a group.
-static sag_status build(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs, bool *too_deep) {
-    plan(s, old, jobs);
-    sag_status status = survey(s, old, jobs);
+// What is not to be tried (again).
+typedef struct limits {
+    bool no_groups; // the groups' trees together would be too deep
+    bool no_refits; // of a tree some primitives are not there any more
+} limits;
+
+// Everything but the groups themselves; `jobs` is one a group. *again: with these new limits.
+static sag_status build(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs, limits *l, bool *again) {
+    bool too_deep = false, unlike = false;
+    plan(s, old, jobs, l->no_refits);
+    sag_status status = survey(s, jobs);
     if (status == SAG_OK) status = sum_up(s);
     if (status == SAG_OK) settle_units(s, old, jobs);
-    if (status == SAG_OK) status = survey(s, old, jobs); // what was to be kept
+    if (status == SAG_OK) status = survey(s, jobs); // what was to be kept
     if (status == SAG_OK) status = take_unbounded(s, old, jobs);
     for (uint32_t i = 0; i < s->group_count && status == SAG_OK; i++)
         if (jobs[i].plan == SAGI_BUILD) status = sagi_structure_build(&jobs[i].work, &jobs[i].tree);
-    if (status == SAG_OK) status = sagi_assemble(s, old, jobs, too_deep);
-    for (uint32_t i = 0; i < s->group_count && status == SAG_OK && !*too_deep; i++)
-        if (jobs[i].plan == SAGI_REFIT) sagi_refit(s, &s->groups[i]);
+    if (status == SAG_OK) status = sagi_assemble(s, old, jobs, &too_deep);
+    for (uint32_t i = 0; i < s->group_count && status == SAG_OK && !too_deep && !unlike; i++)
+        if (jobs[i].plan == SAGI_REFIT) unlike = !sagi_refit(s, &s->groups[i]);
+    l->no_groups |= too_deep, l->no_refits |= unlike;
+    *again = too_deep || unlike;
     return status;
 }
 
-static sag_status form_and_build(sagi_snapshot *s, const sagi_snapshot *old, bool single, bool *too_deep) {
-    sag_status status = sagi_groups_form(s, single);
+static sag_status form_and_build(sagi_snapshot *s, const sagi_snapshot *old, limits *l, bool *again) {
+    *again = false;
+    sag_status status = sagi_groups_form(s, l->no_groups);
     if (status != SAG_OK) return status;
     size_t bytes = s->group_count * sizeof(sagi_job);
     sagi_job *jobs = sag_allocate(s->context, bytes);
     if (bytes > 0 && jobs == NULL) return SAG_ERROR_MEMORY;
-    status = build(s, old, jobs, too_deep);
+    status = build(s, old, jobs, l, again);
     for (uint32_t i = 0; i < s->group_count; i++) {
         sagi_structure_release(&jobs[i].work);
         sagi_bvh_release(s->context, &jobs[i].tree);
@@ -224,14 +231,17 @@ static sag_status form_and_build(sagi_snapshot *s, const sagi_snapshot *old, boo
     return status;
 }
 
+// The second and third attempts are rare: all in one tree is never too deep.
 sag_status sagi_snapshot_build(sagi_snapshot *s, const sagi_snapshot *old) {
-    bool too_deep = false;
-    sag_status status = form_and_build(s, old, false, &too_deep);
-    if (status == SAG_OK && too_deep) { // all in one tree never is
+    limits l = {false, false};
+    bool again;
+    sag_status status = form_and_build(s, old, &l, &again);
+    while (status == SAG_OK && again) {
         sagi_groups_release(s);
+        sagi_bvh_release(s->context, &s->world.tree);
         sag_release(s->context, s->unbounded, s->unbounded_capacity * sizeof *s->unbounded);
         s->unbounded = NULL, s->unbounded_capacity = 0;
-        status = form_and_build(s, NULL, true, &too_deep);
+        status = form_and_build(s, old, &l, &again);
     }
     if (status == SAG_OK) sagi_snapshot_measure(s);
     return status;

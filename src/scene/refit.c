@@ -13,6 +13,9 @@
 typedef struct refitter {
     sagi_snapshot *snapshot;
     const sagi_group *group;
+    uint32_t primitive_count;
+    bool all_good;      // every primitive there is
+    atomic_bool unlike; // one in the tree is not good
 } refitter;
 
 static bool is_there(const sagi_bvh_node *node, int i) { return node->plane[0][i] <= node->plane[3][i]; }
@@ -23,31 +26,45 @@ static sagi_float_box child_box(const sagi_bvh_node *node, int i) {
     return box;
 }
 
-static sagi_float_box refit_leaf(const sagi_snapshot *s, uint32_t child) {
+// A primitive's box in the scene's units; false when it is not good.
+static bool measure(const refitter *r, sagi_bvh_reference at, sagi_bvh_primitive *out) {
+    const sagi_snapshot *s = r->snapshot;
+    if (s->items[at.geometry].kind == SAG_SHAPE_MESH)
+        return sagi_mesh_boxes(&s->world, at.geometry, at.primitive, 1, r->all_good, out) != out;
+    sag_box3 box;
+    if (sagi_primitive_box(s, at.geometry, at.primitive, &box) != SAGI_PRIMITIVE_GOOD) return false;
+    *out = sagi_world_primitive(&s->world, &box, at.geometry, at.primitive);
+    return true;
+}
+
+static bool refit_leaf(const refitter *r, uint32_t child, sagi_float_box *all) {
+    const sagi_snapshot *s = r->snapshot;
     sagi_bvh_primitive primitives[SAGI_BVH_MAX_LEAF];
-    sagi_float_box all = sagi_float_box_empty();
     const sagi_block *block = sagi_leaf(&s->world.tree, child);
     uint32_t count = block->count;
+    *all = sagi_float_box_empty();
     for (uint32_t i = 0; i < count; i++) {
-        sagi_bvh_reference r = sagi_block_reference(block, i);
-        sag_box3 box = sag_box3_empty();
-        sagi_primitive_box(s, r.geometry, r.primitive, &box);
-        primitives[i] = sagi_world_primitive(&s->world, &box, r.geometry, r.primitive);
-        sagi_float_box_extend(&all, primitives[i].lo, primitives[i].hi);
+        sagi_bvh_reference at = sagi_block_reference(block, i);
+        if (at.primitive >= r->primitive_count || !measure(r, at, &primitives[i])) return false;
+        sagi_float_box_extend(all, primitives[i].lo, primitives[i].hi);
     }
     sagi_leaf_write(s, primitives, count,
                     s->world.tree.leaves + (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT);
-    return all;
+    return true;
 }
 
 static void refit_leaves(void *argument, size_t index) {
-    const refitter *r = argument;
+    refitter *r = argument;
     uint64_t first = (uint64_t)index * NODES_AT_A_TIME, end = first + NODES_AT_A_TIME;
     for (uint64_t n = first; n < end && n < r->group->tree.node_count; n++) {
         sagi_bvh_node *node = &r->snapshot->world.tree.nodes[r->group->node_first + n];
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             if (!is_there(node, i) || (node->child[i] & SAGI_BVH_LEAF) == 0) continue;
-            sagi_float_box box = refit_leaf(r->snapshot, node->child[i]);
+            sagi_float_box box;
+            if (!refit_leaf(r, node->child[i], &box)) {
+                atomic_store(&r->unlike, true);
+                return;
+            }
             for (int k = 0; k < 3; k++) node->plane[k][i] = box.lo[k], node->plane[3 + k][i] = box.hi[k];
         }
     }
@@ -75,31 +92,16 @@ static sagi_float_box refit_node(sagi_snapshot *s, uint32_t number, sagi_leaf_co
     return all;
 }
 
-void sagi_refit(sagi_snapshot *s, sagi_group *g) {
-    refitter r = {s, g};
+bool sagi_refit(sagi_snapshot *s, sagi_group *g) {
+    uint32_t id = s->members[g->member_first];
+    refitter r = {.snapshot = s, .group = g, .primitive_count = sagi_primitive_count(s, id)};
+    r.all_good = g->found.good == r.primitive_count;
     double cost = 0;
     sag_parallel_for(s->context, (g->tree.node_count + NODES_AT_A_TIME - 1) / NODES_AT_A_TIME, refit_leaves,
                      &r);
-    sagi_leaf_cost price = sagi_leaf_price(s, s->members[g->member_first]);
-    sagi_float_box all = refit_node(s, g->node_first, price, &cost);
+    if (atomic_load(&r.unlike)) return false;
+    sagi_float_box all = refit_node(s, g->node_first, sagi_leaf_price(s, id), &cost);
     double area = (double)sagi_float_box_half_area(&all);
     if (area > 0) g->tree.sah = (float)(cost / area);
-}
-
-bool sagi_refit_is_possible(const sagi_snapshot *s, const sagi_snapshot *old, const sagi_group *before) {
-    for (uint32_t n = 0; n < before->tree.node_count; n++) {
-        const sagi_bvh_node *node = &old->world.tree.nodes[before->node_first + n];
-        for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
-            if (!is_there(node, i) || (node->child[i] & SAGI_BVH_LEAF) == 0) continue;
-            const sagi_block *block = sagi_leaf(&old->world.tree, node->child[i]);
-            for (uint32_t k = 0; k < block->count; k++) {
-                sagi_bvh_reference r = sagi_block_reference(block, k);
-                sag_box3 box;
-                if (r.primitive >= sagi_primitive_count(s, r.geometry) ||
-                    sagi_primitive_box(s, r.geometry, r.primitive, &box) != SAGI_PRIMITIVE_GOOD)
-                    return false;
-            }
-        }
-    }
     return true;
 }

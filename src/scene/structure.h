@@ -48,9 +48,8 @@ void sagi_groups_release(sagi_snapshot *s);
 // SAG_ERROR_ARGUMENT for too many nodes; *too_deep, and nothing made, when a path would be too long.
 sag_status sagi_assemble(sagi_snapshot *s, const sagi_snapshot *old, sagi_job *jobs, bool *too_deep);
 
-// Renews the boxes and leaves of a group whose tree is part of the snapshot's.
-void sagi_refit(sagi_snapshot *s, sagi_group *group);
-// Whether all primitives in the tree of an old group are good ones in the new snapshot.
-bool sagi_refit_is_possible(const sagi_snapshot *s, const sagi_snapshot *old, const sagi_group *before);
+// Renews the boxes and leaves of a group whose tree is part of the snapshot's. False, having renewed some of
+// them, when what is in the tree is not good any more.
+bool sagi_refit(sagi_snapshot *s, sagi_group *group);
 
 #endif
