@@ -61,6 +61,8 @@ void sagi_bins_init(sagi_bins *bins, const sagi_range *range);
 void sagi_bins_add(sagi_bins *bins, const sagi_bvh_primitive *primitives, uint32_t count);
 // Adds the contents of bins made alike.
 void sagi_bins_merge(sagi_bins *bins, const sagi_bins *other);
+// How many of the primitives in the bins go left.
+uint32_t sagi_bins_left(const sagi_bins *bins, const sagi_split *split);
 // The cheapest split by the surface area heuristic, or the verdict that a leaf is cheaper, or that the depth
 // cap asks for halving.
 sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range);

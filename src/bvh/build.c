@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The builder's top: large ranges are binned and partitioned by all threads together; once a range is small
-// it becomes a task that one thread finishes alone (binary.c). What is large is a fixed number, and
-// partitions keep the order of the primitives, so the tree is the same for any number of threads.
+// The builder's top: large ranges are binned and partitioned by all threads together, from one array to
+// another and back; once a range is small it becomes a task that one thread finishes alone (binary.c). What
+// is large depends on the number of primitives alone, and partitions keep their order, so the tree is the
+// same for any number of threads.
 #include "bvh/binary.h"
 #include <string.h>
 
-#define LARGE 65536u // ranges over this many primitives are split by all threads together
-#define CHUNK 8192u  // primitives a thread takes at a time from a large range
+#define MOST_SMALL  65536u // no task has more primitives
+#define LEAST_LARGE 8192u  // and none with so few is split by all threads
+#define TASKS       64u    // there should be about so many where that allows it
+#define CHUNK       4096u  // primitives a thread takes at a time from a large range
+
+// A range of primitives in work.
+typedef struct part {
+    sagi_range range;
+    bool aside; // they stand in scratch
+} part;
 
 // What one thread finds out about its chunk of a large range.
 typedef struct chunk {
@@ -15,25 +24,39 @@ typedef struct chunk {
     uint32_t left_first, right_first;
 } chunk;
 
+// A node above the tasks. They are kept aside, as the nodes' memory is scratch meanwhile.
+typedef struct top {
+    uint32_t number;
+    sagi_binary_node node;
+} top;
+
 typedef struct builder {
     const sag_context *context;
     const sagi_leaf_maker *maker;
-    sagi_bvh_primitive *primitives, *scratch; // scratch: as many, when the range is large
+    sagi_bvh_primitive *primitives;
+    sagi_bvh_primitive *scratch; // as many; the memory of the nodes
     sagi_binary_node *nodes;
     chunk *chunks;
-    uint32_t chunk_count; // of the range in work
-    sagi_range range;
+    uint32_t chunk_count; // of the part in work
+    part part;
     sagi_split split;
-    sagi_range *tasks;
-    uint32_t task_count, task_capacity;
+    part *tasks;
+    top *tops;
+    uint32_t task_count, top_count, task_capacity;
+    uint32_t large; // parts of more primitives are split by all threads
 } builder;
 
 static uint32_t chunks_of(uint32_t count) { return count / CHUNK + (count % CHUNK != 0); }
 
+static sagi_bvh_primitive *array_of(const builder *b, bool aside) {
+    return aside ? b->scratch : b->primitives;
+}
+
 static sagi_bvh_primitive *chunk_begin(const builder *b, size_t index, uint32_t *count) {
-    uint32_t done = (uint32_t)index * CHUNK, left = b->range.count - done;
+    const sagi_range *r = &b->part.range;
+    uint32_t done = (uint32_t)index * CHUNK, left = r->count - done;
     *count = left < CHUNK ? left : CHUNK;
-    return b->primitives + b->range.first + done;
+    return array_of(b, b->part.aside) + r->first + done;
 }
 
 static void measure_chunk(void *argument, size_t index) {
@@ -54,17 +77,8 @@ static void bin_chunk(void *argument, size_t index) {
     builder *b = argument;
     uint32_t count;
     const sagi_bvh_primitive *p = chunk_begin(b, index, &count);
-    sagi_bins_init(&b->chunks[index].bins, &b->range);
+    sagi_bins_init(&b->chunks[index].bins, &b->part.range);
     sagi_bins_add(&b->chunks[index].bins, p, count);
-}
-
-// How many of the chunk go left; into left_first, from which the places are summed up.
-static void count_chunk(void *argument, size_t index) {
-    builder *b = argument;
-    uint32_t count, left = 0;
-    const sagi_bvh_primitive *p = chunk_begin(b, index, &count);
-    for (uint32_t i = 0; i < count; i++) left += sagi_split_goes_left(&b->split, &p[i]);
-    b->chunks[index].left_first = left;
 }
 
 static void scatter_chunk(void *argument, size_t index) {
@@ -72,7 +86,8 @@ static void scatter_chunk(void *argument, size_t index) {
     uint32_t count;
     const sagi_bvh_primitive *p = chunk_begin(b, index, &count);
     chunk *c = &b->chunks[index];
-    sagi_bvh_primitive *left = b->scratch + c->left_first, *right = b->scratch + c->right_first;
+    sagi_bvh_primitive *to = array_of(b, !b->part.aside) + b->part.range.first;
+    sagi_bvh_primitive *left = to + c->left_first, *right = to + c->right_first;
     sagi_extent l = sagi_extent_empty(), r = sagi_extent_empty();
     for (uint32_t i = 0; i < count; i++) {
         if (sagi_split_goes_left(&b->split, &p[i])) {
@@ -86,21 +101,15 @@ static void scatter_chunk(void *argument, size_t index) {
     c->left = sagi_extent_box(&l), c->right = sagi_extent_box(&r);
 }
 
-static void copy_chunk(void *argument, size_t index) {
-    builder *b = argument;
-    uint32_t count;
-    sagi_bvh_primitive *p = chunk_begin(b, index, &count);
-    memcpy(p, b->scratch + index * CHUNK, count * sizeof *p);
-}
-
 static void all_chunks(builder *b, void (*work)(void *, size_t)) {
-    b->chunk_count = chunks_of(b->range.count);
+    b->chunk_count = chunks_of(b->part.range.count);
     sag_parallel_for(b->context, b->chunk_count, work, b);
 }
 
-static void measure_all(builder *b, sagi_range *range) {
-    b->range = *range;
+static void measure_all(builder *b, part *p) {
+    b->part = *p;
     all_chunks(b, measure_chunk);
+    sagi_range *range = &p->range;
     range->box = range->centroids = sagi_float_box_empty();
     for (uint32_t i = 0; i < b->chunk_count; i++) {
         sagi_float_box_extend(&range->box, b->chunks[i].box.lo, b->chunks[i].box.hi);
@@ -108,92 +117,106 @@ static void measure_all(builder *b, sagi_range *range) {
     }
 }
 
-// Moves the range's left primitives before its right ones and measures both sides' centroids.
-static void partition_all(builder *b, sagi_range *left, sagi_range *right) {
-    all_chunks(b, count_chunk);
+// Moves the part's primitives to the other array, left ones before right ones, and measures both sides'
+// centroids. Each chunk's bins know how many of it go left; the first's have been merged with all others and
+// know it of the part.
+static void partition_all(builder *b, part *left, part *right) {
     uint32_t left_at = 0, right_at = b->split.left_count;
-    for (uint32_t i = 0; i < b->chunk_count; i++) {
-        uint32_t count, goes_left = b->chunks[i].left_first;
+    for (uint32_t i = b->chunk_count; i-- > 1;) {
+        chunk *c = &b->chunks[i];
+        uint32_t count, goes_left = sagi_bins_left(&c->bins, &b->split);
         chunk_begin(b, i, &count);
-        b->chunks[i].left_first = left_at, b->chunks[i].right_first = right_at;
         left_at += goes_left, right_at += count - goes_left;
+        c->left_first = b->split.left_count - left_at;
+        c->right_first = b->split.left_count + b->part.range.count - right_at;
     }
+    b->chunks[0].left_first = 0, b->chunks[0].right_first = b->split.left_count;
     all_chunks(b, scatter_chunk);
-    all_chunks(b, copy_chunk);
-    left->centroids = right->centroids = sagi_float_box_empty();
+    left->aside = right->aside = !b->part.aside;
+    left->range.centroids = right->range.centroids = sagi_float_box_empty();
     for (uint32_t i = 0; i < b->chunk_count; i++) {
-        sagi_float_box_extend(&left->centroids, b->chunks[i].left.lo, b->chunks[i].left.hi);
-        sagi_float_box_extend(&right->centroids, b->chunks[i].right.lo, b->chunks[i].right.hi);
+        sagi_float_box_extend(&left->range.centroids, b->chunks[i].left.lo, b->chunks[i].left.hi);
+        sagi_float_box_extend(&right->range.centroids, b->chunks[i].right.lo, b->chunks[i].right.hi);
     }
 }
 
-// Splits a large range. A large range is never a leaf.
-static void split_large(builder *b, sagi_range range, sagi_range *left, sagi_range *right) {
-    b->range = range;
+// Splits a large part. A large part is never a leaf.
+static void split_large(builder *b, part whole, part *left, part *right) {
+    b->part = whole;
+    const sagi_range *range = &b->part.range;
     all_chunks(b, bin_chunk);
     for (uint32_t i = 1; i < b->chunk_count; i++) sagi_bins_merge(&b->chunks[0].bins, &b->chunks[i].bins);
-    b->split = sagi_bins_choose(&b->chunks[0].bins, &range);
+    b->split = sagi_bins_choose(&b->chunks[0].bins, range);
     bool halve = b->split.verdict == SAGI_HALVE;
-    uint32_t m = halve ? range.count / 2 : b->split.left_count;
-    *left = (sagi_range){.node = range.node + 1, .first = range.first, .count = m, .depth = range.depth + 1};
-    *right = (sagi_range){.node = range.node + 2 * m,
-                          .first = range.first + m,
-                          .count = range.count - m,
-                          .depth = range.depth + 1};
+    uint32_t m = halve ? range->count / 2 : b->split.left_count;
+    *left = *right = (part){.aside = whole.aside};
+    left->range =
+        (sagi_range){.node = range->node + 1, .first = range->first, .count = m, .depth = range->depth + 1};
+    right->range = (sagi_range){.node = range->node + 2 * m,
+                                .first = range->first + m,
+                                .count = range->count - m,
+                                .depth = range->depth + 1};
     if (halve) {
-        sagi_range_halve(b->primitives, &range);
+        sagi_range_halve(array_of(b, whole.aside), range);
         measure_all(b, left), measure_all(b, right);
     } else {
-        left->box = b->split.left, right->box = b->split.right;
+        left->range.box = b->split.left, right->range.box = b->split.right;
         partition_all(b, left, right);
     }
-    b->nodes[range.node] = (sagi_binary_node){range.box, right->node, 0};
+    b->tops[b->top_count++] =
+        (top){whole.range.node, (sagi_binary_node){whole.range.box, right->range.node, 0}};
+}
+
+static void bring_back(void *argument, size_t index) {
+    const builder *b = argument;
+    const sagi_range *r = &b->tasks[index].range;
+    if (b->tasks[index].aside)
+        memcpy(b->primitives + r->first, b->scratch + r->first, r->count * sizeof *b->scratch);
 }
 
 static void run_task(void *argument, size_t index) {
-    builder *b = argument;
-    sagi_binary_build_range(b->maker, b->primitives, b->nodes, b->tasks[index]);
+    const builder *b = argument;
+    sagi_binary_build_range(b->maker, b->primitives, b->nodes, b->tasks[index].range);
 }
 
-static void run_tasks(builder *b) {
-    sag_parallel_for(b->context, b->task_count, run_task, b);
-    b->task_count = 0;
-}
-
-static void build_binary(builder *b, sagi_range range) {
-    sagi_range stack[SAGI_BVH_MAX_DEPTH + 1];
+static void build_binary(builder *b, part whole) {
+    part stack[SAGI_BVH_MAX_DEPTH + 1];
     int waiting = 0;
     for (;;) {
-        if (range.count > LARGE) {
-            sagi_range left;
-            split_large(b, range, &left, &stack[waiting++]);
-            range = left;
+        if (whole.range.count > b->large) {
+            part left;
+            split_large(b, whole, &left, &stack[waiting++]);
+            whole = left;
             continue;
         }
-        if (b->task_count == b->task_capacity) run_tasks(b);
-        b->tasks[b->task_count++] = range;
+        b->tasks[b->task_count++] = whole;
         if (waiting == 0) break;
-        range = stack[--waiting];
+        whole = stack[--waiting];
     }
-    run_tasks(b);
+    sag_parallel_for(b->context, b->task_count, bring_back, b);
+    for (uint32_t i = 0; i < b->top_count; i++) b->nodes[b->tops[i].number] = b->tops[i].node;
+    sag_parallel_for(b->context, b->task_count, run_task, b);
 }
 
-// The builder's memory: 2 binary nodes and, beyond LARGE, a scratch copy for each primitive.
+// The builder's memory: beside what is per task and chunk, two binary nodes for each primitive, which serve
+// as room for a primitive first. Each level of the tree has fewer than count/large large parts.
 static bool allocate(builder *b, uint32_t count) {
-    bool large = count > LARGE;
-    b->task_capacity = 2 * (count / LARGE) + 64;
+    uint32_t large = count / TASKS;
+    b->large = large < LEAST_LARGE ? LEAST_LARGE : large > MOST_SMALL ? MOST_SMALL : large;
+    b->task_capacity = (count / b->large) * SAGI_BVH_MAX_DEPTH + 1;
     b->nodes = sag_allocate(b->context, (size_t)count * 2 * sizeof *b->nodes);
+    b->scratch = (sagi_bvh_primitive *)(void *)b->nodes;
     b->tasks = sag_allocate(b->context, b->task_capacity * sizeof *b->tasks);
+    b->tops = sag_allocate(b->context, b->task_capacity * sizeof *b->tops);
     b->chunks = sag_allocate(b->context, chunks_of(count) * sizeof *b->chunks);
-    b->scratch = large ? sag_allocate(b->context, (size_t)count * sizeof *b->scratch) : NULL;
-    return b->nodes != NULL && b->tasks != NULL && b->chunks != NULL && (!large || b->scratch != NULL);
+    return b->nodes != NULL && b->tasks != NULL && b->tops != NULL && b->chunks != NULL;
 }
 
 static void release(builder *b, uint32_t count) {
     sag_release(b->context, b->nodes, (size_t)count * 2 * sizeof *b->nodes);
     sag_release(b->context, b->tasks, b->task_capacity * sizeof *b->tasks);
+    sag_release(b->context, b->tops, b->task_capacity * sizeof *b->tops);
     sag_release(b->context, b->chunks, chunks_of(count) * sizeof *b->chunks);
-    sag_release(b->context, b->scratch, (size_t)count * sizeof *b->scratch);
 }
 
 sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *options,
@@ -208,9 +231,9 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
     builder b = {.context = context, .maker = &options->leaves, .primitives = primitives};
     sag_status status = SAG_ERROR_MEMORY;
     if (allocate(&b, count)) {
-        sagi_range range = {.count = count};
-        measure_all(&b, &range);
-        build_binary(&b, range);
+        part all = {.range.count = count};
+        measure_all(&b, &all);
+        build_binary(&b, all);
         status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * count, primitives, tree);
     }
     release(&b, count);

@@ -124,6 +124,10 @@ static uint32_t count_before(const sagi_bins *bins, int axis, int cut) {
     return count;
 }
 
+uint32_t sagi_bins_left(const sagi_bins *bins, const sagi_split *split) {
+    return count_before(bins, split->axis, split->bin);
+}
+
 static sagi_float_box box_between(const sagi_bins *bins, int axis, int begin, int end) {
     sweep s = sweep_begin();
     for (int b = begin; b < end; b++) sweep_pass(&s, bins, axis, b);
