@@ -119,7 +119,9 @@ sag_status sagi_bvh_collapse(const sag_context *context, const sagi_leaf_maker *
                              sagi_binary_node *nodes, uint32_t end, const sagi_bvh_primitive *primitives,
                              sagi_bvh *tree);
 
-// sagi_bvh_build of the other qualities (fast.c).
+// sagi_bvh_build of the other qualities (fast.c, high.c).
+sag_status sagi_bvh_build_high(const sag_context *context, const sagi_bvh_options *options,
+                               const sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree);
 sag_status sagi_bvh_build_fast(const sag_context *context, const sagi_bvh_options *options,
                                sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree);
 

@@ -4,6 +4,7 @@
 #define SAGI_BVH_BOX_H
 
 #include <math.h>
+#include <stdbool.h>
 
 typedef struct sagi_float_box {
     float lo[3], hi[3];
@@ -21,6 +22,10 @@ static inline void sagi_float_box_extend(sagi_float_box *box, const float lo[3],
         box->lo[k] = sagi_float_min(lo[k], box->lo[k]);
         box->hi[k] = sagi_float_max(hi[k], box->hi[k]);
     }
+}
+
+static inline bool sagi_float_box_is_empty(const sagi_float_box *box) {
+    return !(box->lo[0] <= box->hi[0] && box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2]);
 }
 
 // Half the surface; 0 for an empty box.

@@ -228,6 +228,8 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
     if (count > INT32_MAX) return SAG_ERROR_MEMORY; // node numbers go to twice the count
     if (options->quality == SAG_QUALITY_FAST)
         return sagi_bvh_build_fast(context, options, primitives, count, tree);
+    if (options->quality == SAG_QUALITY_HIGH)
+        return sagi_bvh_build_high(context, options, primitives, count, tree);
     builder b = {.context = context, .maker = &options->leaves, .primitives = primitives};
     sag_status status = SAG_ERROR_MEMORY;
     if (allocate(&b, count)) {

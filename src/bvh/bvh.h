@@ -2,7 +2,8 @@
 // The acceleration structure: a tree of boxes, eight to a node. It knows boxes and numbers, not shapes.
 //
 // Building goes in two steps: a binary tree, by the binned surface area heuristic (binary.c, split.c) or, for
-// the fast quality, by clustering along a curve (fast.c, morton.c, ploc.c, loose.c), which is then collapsed
+// the fast quality, by clustering along a curve (fast.c, morton.c, ploc.c, loose.c) or, for the high one, by
+// splits of space and reinsertion (high.c, spatial.c, clip.c, reinsert.c), which is then collapsed
 // to nodes of eight children as cheaply as can be (forest.c, collapse.c). The tree depends on the primitives
 // and their order alone, not on the number of threads.
 #ifndef SAGI_BVH_BVH_H
@@ -60,6 +61,7 @@ typedef struct sagi_bvh {
     uint32_t unit_count;                // of leaves
     uint32_t leaf_count;
     uint32_t depth; // levels of nodes
+    bool repeats;   // some primitives are in several leaves
     float sah;      // what a ray that meets the box costs on average, a visit of a node being 1 (forest.c)
     sagi_float_box box; // of everything; empty for an empty tree
 } sagi_bvh;
@@ -81,10 +83,20 @@ typedef struct sagi_leaf_maker {
     void (*write)(const void *user, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
 } sagi_leaf_maker;
 
+// Who knows which primitives splits of space may cut: those that are triangles and that a ray crosses once at
+// most (kernel/collect.c). Called from several threads.
+typedef struct sagi_clipper {
+    const void *user;
+    // Writes the triangle's corners in the units of boxes, each coordinate within 2⁻⁵² of the true one; false
+    // for what is not to be cut.
+    bool (*corners)(const void *user, const sagi_bvh_primitive *primitive, double corner[3][3]);
+} sagi_clipper;
+
 // What is asked of the builder.
 typedef struct sagi_bvh_options {
     sag_quality quality;
     sagi_leaf_maker leaves;
+    sagi_clipper clipper; // nothing is cut when corners is NULL
 } sagi_bvh_options;
 
 // Builds the tree over primitives[0 … count) on the context's threads; reorders them. SAG_ERROR_MEMORY leaves

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The order of hits, and keeping the first of them. A heap (Williams, "Algorithm 232: Heapsort", CACM 7(6),
 // 1964) lives in the caller's array: no memory is asked for, n hits cost n log(capacity).
+//
+// Repeats. A primitive in several leaves is crossed once, but found in each of them, with the same bits. The
+// heap keeps the first of all that is found, repeats included. Without these the kept are a beginning of the
+// sorted crossings: whatever comes before the last of them was kept, as the heap gives up only what comes
+// last. So they are counted, and the next walk takes what comes after that last one. Each walk goes on by one
+// at least, so there is an end.
 #include "kernel/kernel.h"
 
 static int compare_paths(const sag_hit *a, const sag_hit *b) {
@@ -45,4 +51,25 @@ void sagi_collector_finish(sagi_collector *c) {
         c->hits[n - 1] = c->hits[0];
         sift_down(c->hits, n - 1, 0, last);
     }
+}
+
+void sagi_repeats_add(sagi_repeats *r, const sag_hit *hit) {
+    if (r->again && !sagi_hit_before(&r->last, hit)) return;
+    sagi_collector first = {r->kept, SAGI_REPEATS_KEPT, r->count};
+    sagi_collector_add(&first, hit);
+    r->count = first.count;
+}
+
+bool sagi_repeats_hand_on(sagi_repeats *r, sagi_collector *collector) {
+    sagi_collector first = {r->kept, SAGI_REPEATS_KEPT, r->count};
+    sagi_collector_finish(&first);
+    size_t kept = r->count < SAGI_REPEATS_KEPT ? r->count : SAGI_REPEATS_KEPT;
+    for (size_t i = 0; i < kept; i++)
+        if (i == 0 || sagi_hit_before(&r->kept[i - 1], &r->kept[i]))
+            sagi_collector_add(collector, &r->kept[i]);
+    if (r->count <= SAGI_REPEATS_KEPT) return false;
+    r->again = true;
+    r->last = r->kept[SAGI_REPEATS_KEPT - 1];
+    r->count = 0;
+    return true;
 }

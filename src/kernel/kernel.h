@@ -32,6 +32,22 @@ typedef struct sagi_collector {
     size_t capacity, count; // count: all that came
 } sagi_collector;
 
+// Crossings that a tree with repeats (bvh/bvh.h) may report several times: each is to count once, and a query
+// asks for no memory. The first few after `last` are kept; sorted, those that are the same stand together.
+// When more came than were kept, the tree is walked again for those beyond.
+#define SAGI_REPEATS_KEPT 128
+typedef struct sagi_repeats {
+    bool again;    // not the first walk: nothing else is to be collected
+    sag_hit last;  // then: of those that are counted
+    size_t count;  // that came in this walk, and where they are: the rest is as in sagi_collector
+    sag_hit *kept; // SAGI_REPEATS_KEPT of them
+} sagi_repeats;
+
+// Takes a crossing, by a primitive that a ray crosses once at most.
+void sagi_repeats_add(sagi_repeats *repeats, const sag_hit *hit);
+// After a walk: hands on what came, each crossing once. True when another walk is needed.
+bool sagi_repeats_hand_on(sagi_repeats *repeats, sagi_collector *collector);
+
 void sagi_collector_add(sagi_collector *collector, const sag_hit *hit);
 // Sorts what was kept.
 void sagi_collector_finish(sagi_collector *collector);

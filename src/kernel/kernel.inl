@@ -26,6 +26,7 @@ typedef struct search {
     sag_hit *best;            // CLOSEST
     bool found;               // CLOSEST, ANY
     sagi_collector collector; // ALL
+    sagi_repeats repeats;     // ALL: what of it may come again
     bool both_sides;          // see sagi_kernel
     uint32_t path_length;
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
@@ -74,6 +75,14 @@ static inline bool sees(const level *here, const sagi_item *item) {
     return (here->ray.mask & item->mask) != 0;
 }
 
+// Only triangles of meshes are in several leaves (scene/clip.c).
+static inline void collect(search *s, const sagi_world *world, const sag_hit *hit) {
+    if (world->tree.repeats && world->items[hit->geometry].kind == SAG_SHAPE_MESH)
+        sagi_repeats_add(&s->repeats, hit);
+    else if (!s->repeats.again)
+        sagi_collector_add(&s->collector, hit);
+}
+
 // Takes note of a hit in the ray's range; true when the search is over. With t and the ids only: most hits
 // are not the best.
 static inline bool accept(question asked, level *here, uint32_t geometry, uint32_t primitive, double t,
@@ -86,7 +95,7 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
     for (uint32_t i = 0; i < SAG_MAX_INSTANCE_DEPTH; i++)
         hit.instance_path[i] = i < s->path_length ? s->path[i] : SAG_INVALID_ID;
     if (asked == ALL) {
-        sagi_collector_add(&s->collector, &hit);
+        collect(s, here->world, &hit);
     } else if (!s->found || sagi_hit_before(&hit, s->best)) {
         *s->best = hit, s->found = true;
         lower_t_max(here, t);
@@ -201,9 +210,12 @@ static bool occluded(const sagi_world *world, const sag_ray *ray) {
 
 static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
                         size_t capacity) {
-    search s = {.collector = {hits, capacity, 0}, .both_sides = both_sides};
-    level here = enter(world, ray, &s);
-    walk_all(&here);
+    sag_hit kept[SAGI_REPEATS_KEPT];
+    search s = {.collector = {hits, capacity, 0}, .both_sides = both_sides, .repeats.kept = kept};
+    do {
+        level here = enter(world, ray, &s);
+        walk_all(&here);
+    } while (sagi_repeats_hand_on(&s.repeats, &s.collector));
     sagi_collector_finish(&s.collector);
     return s.collector.count;
 }

@@ -163,6 +163,7 @@ static void describe(sagi_snapshot *s, const sagi_bvh *top, uint32_t top_levels)
     for (uint32_t i = 0; i < s->group_count; i++) {
         const sagi_bvh *g = &s->groups[i].tree;
         t->leaf_count += g->leaf_count;
+        t->repeats |= g->repeats;
         if (g->depth + top_levels > t->depth) t->depth = g->depth + top_levels;
         if (g->node_count > 0) sagi_float_box_extend(&t->box, g->box.lo, g->box.hi);
     }

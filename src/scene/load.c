@@ -184,6 +184,7 @@ static void take_description(const sagi_file_scene *d, sagi_snapshot *s) {
     s->world.origin = sag_vec3_make(d->origin[0], d->origin[1], d->origin[2]);
     s->world.scale = d->scale;
     t->leaf_count = d->leaf_count, t->depth = d->depth, t->sah = d->sah;
+    t->repeats = s->quality == SAG_QUALITY_HIGH; // if it has any
     memcpy(t->box.lo, d->box_lo, sizeof d->box_lo), memcpy(t->box.hi, d->box_hi, sizeof d->box_hi);
     s->stats.primitive_count = d->primitive_count;
     s->stats.dropped_not_finite = d->dropped_not_finite;

@@ -111,6 +111,9 @@ sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry);
 uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count);
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
 
+// The corners of sagi_clipper (clip.c).
+bool sagi_primitive_corners(const void *snapshot, const sagi_bvh_primitive *primitive, double corner[3][3]);
+
 // What became of a primitive on its way to the tree.
 typedef enum sagi_primitive_state {
     SAGI_PRIMITIVE_GOOD,

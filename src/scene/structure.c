@@ -221,7 +221,8 @@ sag_status sagi_structure_build(sagi_structure *w, sagi_bvh *tree) {
     if (bytes > 0 && w->primitives == NULL) return SAG_ERROR_MEMORY;
     sag_parallel_for(s->context, w->chunk_count, write_boxes, w);
     sagi_bvh_options options = {.quality = s->quality,
-                                .leaves = {s, sagi_leaf_price, sagi_leaf_units, sagi_leaf_write}};
+                                .leaves = {s, sagi_leaf_price, sagi_leaf_units, sagi_leaf_write},
+                                .clipper = {s, sagi_primitive_corners}};
     sag_status status =
         sagi_bvh_build(s->context, &options, w->primitives, (uint32_t)w->group->found.good, tree);
     sag_release(s->context, w->primitives, bytes);

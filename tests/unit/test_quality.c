@@ -97,13 +97,12 @@ static void compare_qualities(const sag_mesh *mesh, size_t rays) {
     for (int q = 0; q < QUALITIES; q++) sag_scene_destroy(scenes[q]);
 }
 
-// `count` loose triangles; make_corner says where they are.
-static void compare_loose(uint32_t count, size_t rays, sag_vec3 (*corner)(rng *r, uint32_t triangle, int k)) {
-    rng r = rng_make(count);
+// `count` loose triangles; corner says where they are.
+static test_mesh loose(rng *r, uint32_t count, sag_vec3 (*corner)(rng *r, uint32_t triangle, int k)) {
     test_mesh m = {.positions = malloc(9 * (size_t)count * sizeof *m.positions),
                    .triangles = malloc(3 * (size_t)count * sizeof *m.triangles)};
     for (uint32_t i = 0; i < 3 * count; i++) {
-        sag_vec3 p = corner(&r, i / 3, (int)(i % 3));
+        sag_vec3 p = corner(r, i / 3, (int)(i % 3));
         m.positions[3 * i] = p.x, m.positions[3 * i + 1] = p.y, m.positions[3 * i + 2] = p.z;
         m.triangles[i] = i;
     }
@@ -111,6 +110,12 @@ static void compare_loose(uint32_t count, size_t rays, sag_vec3 (*corner)(rng *r
                         .triangles = m.triangles,
                         .vertex_count = 3 * count,
                         .triangle_count = count};
+    return m;
+}
+
+static void compare_loose(uint32_t count, size_t rays, sag_vec3 (*corner)(rng *r, uint32_t triangle, int k)) {
+    rng r = rng_make(count);
+    test_mesh m = loose(&r, count, corner);
     compare_qualities(&m.mesh, rays);
     test_mesh_free(&m);
 }
@@ -176,6 +181,76 @@ static void wires(void **state) {
     compare_loose(5000, 300, wire);
 }
 
+// A bundle of needles side by side, along the diagonal of a cube, so that their boxes are much the same until
+// space is split; and nine specks of dust for each, which leave references to split with.
+static sag_vec3 bundle(rng *r, uint32_t triangle, int k) {
+    if (triangle % 10 != 0) return sag_madd(sag_vec3_make(2, triangle * 1e-3, 0), 1e-3, rng_vec3(r, 1));
+    double x = k == 0 ? -1 : 1, shift = triangle * 1e-4;
+    return sag_vec3_make(x + shift, x - shift, x + (k == 2 ? 0.01 : 0));
+}
+// Through all of the needles (at from −1 to 1).
+static sag_ray across(double at) {
+    return sag_ray_make(sag_vec3_make(at - 2, at + 2, at + 0.002), sag_vec3_make(1, -1, 0));
+}
+
+static test_mesh needles(uint32_t count) {
+    rng r = rng_make(1);
+    return loose(&r, count, bundle);
+}
+
+// More crossings of primitives in several leaves than a walk keeps.
+static void many_crossings_of_split_triangles(void **state) {
+    (void)state;
+    enum { NEEDLES = 600 };
+    test_mesh mesh = needles(10 * NEEDLES);
+    sag_scene *split = commit(context, SAG_QUALITY_HIGH, &mesh.mesh);
+    sag_scene *plain = commit(context, SAG_QUALITY_DEFAULT, &mesh.mesh);
+    assert_true(sagi_scene_snapshot(split)->world.tree.repeats);
+    assert_false(sagi_scene_snapshot(plain)->world.tree.repeats);
+    for (int i = 0; i < 20; i++) {
+        sag_ray ray = across(0.04 * i);
+        size_t count = sag_count_crossings(split, &ray);
+        assert_true(count > SAGI_REPEATS_KEPT && count <= NEEDLES);
+        compare_ray(plain, split, &ray);
+        static sag_hit hits[NEEDLES], expected[NEEDLES];
+        assert_int_equal(sag_intersect_all(plain, &ray, expected, NEEDLES), count);
+        assert_int_equal(sag_intersect_all(split, &ray, hits, NEEDLES), count);
+        assert_same_hits(hits, expected, count);
+    }
+    sag_scene_destroy(split), sag_scene_destroy(plain);
+    test_mesh_free(&mesh);
+}
+
+// Split triangles in instances, side by side with other shapes and with themselves.
+static void split_triangles_in_instances(void **state) {
+    (void)state;
+    rng r = rng_make(5);
+    test_mesh mesh = needles(3000);
+    sag_affine shift = sag_affine_identity();
+    shift.m[2][3] = 0.05;
+    sag_scene *parents[2];
+    for (int q = 0; q < 2; q++) {
+        sag_scene *child = commit(context, q == 0 ? SAG_QUALITY_DEFAULT : SAG_QUALITY_HIGH, &mesh.mesh);
+        parents[q] = sag_scene_create(context);
+        sag_add_instance(parents[q], child, NULL);
+        sag_add_instance(parents[q], child, &shift);
+        sag_add_instance(parents[q], child, NULL);
+        sag_sphere sphere = {.center = {0, 0, 0.1}, .radius = 0.1};
+        sag_add_sphere(parents[q], &sphere);
+        sag_add_mesh(parents[q], &mesh.mesh);
+        sag_scene_set_quality(parents[q], SAG_QUALITY_FAST);
+        assert_int_equal(sag_scene_commit(parents[q], NULL), SAG_OK);
+        sag_scene_destroy(child);
+    }
+    for (int i = 0; i < 300; i++) {
+        sag_ray ray = across(rng_uniform(&r, -1, 1));
+        compare_ray(parents[0], parents[1], &ray);
+        compare_point(parents[0], parents[1], rng_vec3(&r, 1));
+    }
+    sag_scene_destroy(parents[0]), sag_scene_destroy(parents[1]);
+    test_mesh_free(&mesh);
+}
+
 static void large_overlapping(void **state) {
     (void)state;
     compare_loose(3000, 100, anywhere);
@@ -188,16 +263,16 @@ static void identical(void **state) {
 
 static void degenerate(void **state) {
     (void)state;
-    compare_loose(5000, 20, one_centroid);
-    compare_loose(5000, 100, line_of_slivers);
-    compare_loose(8000, 12, crowd);
+    compare_loose(2000, 8, one_centroid);
+    compare_loose(3000, 50, line_of_slivers);
+    compare_loose(3000, 12, crowd);
 }
 
 // A tree that follows the heuristic here would go deeper than the cap.
 static void deep(void **state) {
     (void)state;
     compare_loose(120, 100, progression);
-    compare_loose(3000, 20, progression);
+    compare_loose(1000, 20, progression);
 }
 
 static void same_tree_for_any_threads(void **state) {
@@ -247,11 +322,18 @@ static void unknown_quality(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(meshes),        cmocka_unit_test(few),
-        cmocka_unit_test(wires),         cmocka_unit_test(large_overlapping),
-        cmocka_unit_test(identical),     cmocka_unit_test(degenerate),
-        cmocka_unit_test(deep),          cmocka_unit_test(same_tree_for_any_threads),
-        cmocka_unit_test(out_of_memory), cmocka_unit_test(unknown_quality),
+        cmocka_unit_test(meshes),
+        cmocka_unit_test(few),
+        cmocka_unit_test(wires),
+        cmocka_unit_test(many_crossings_of_split_triangles),
+        cmocka_unit_test(split_triangles_in_instances),
+        cmocka_unit_test(large_overlapping),
+        cmocka_unit_test(identical),
+        cmocka_unit_test(degenerate),
+        cmocka_unit_test(deep),
+        cmocka_unit_test(same_tree_for_any_threads),
+        cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(unknown_quality),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
