@@ -19,8 +19,8 @@ typedef enum sagi_block_kind { SAGI_BLOCK_TRIANGLES, SAGI_BLOCK_REFERENCES } sag
 typedef struct sagi_block {
     uint8_t kind; // sagi_block_kind
     uint8_t count;
-    uint8_t exponent; // of the grid
-    uint8_t unused;
+    uint8_t exponent;  // of the grid
+    uint8_t edge;      // no coordinate of an edge is longer than (edge + 1) · 256 grid steps
     uint32_t geometry; // of triangles
     uint64_t base;     // of the grid: x, y, z in 21 bits each
 } sagi_block;

@@ -12,7 +12,9 @@
 #include "shapes/mesh.h"
 #include "shapes/sphere.h"
 #include "shapes/spheres.h"
+#include "shapes/triangle_solve.h"
 #include "shapes/user.h"
+#include <string.h>
 
 // What a count of the kernel's steps hooks into (bench/); nothing in the library.
 #ifndef SAGI_KERNEL_COUNT
@@ -44,36 +46,31 @@ typedef struct candidate {
 typedef struct level {
     const sagi_world *world;
     search *search;
-    sag_ray ray; // its mask is never 0; for CLOSEST t_max is the best t so far
-    sagi_triangle_ray triangle_ray;
-    sagi_float_ray tree_ray;
+    const sag_ray *ray; // as it came, but for
+    double t_max;       // for CLOSEST the best t so far
+    uint32_t mask;      // never 0
+    uint32_t candidate_count;
     bool in_tree; // tree_ray is there
     float limit;  // what begins at a later τ does not matter
-    uint32_t candidate_count;
     candidate candidates[MAX_CANDIDATES];
+    sagi_float_ray tree_ray;
 } level;
 
-static inline level enter(const sagi_world *world, const sag_ray *ray, search *s) {
-    level here;
-    here.world = world, here.search = s;
-    here.ray = *ray, here.triangle_ray = sagi_triangle_prepare(ray);
-    if (here.ray.mask == 0) here.ray.mask = UINT32_MAX;
-    here.in_tree = false, here.limit = INFINITY, here.candidate_count = 0;
-    return here;
+SAGI_INLINE void enter(level *here, const sagi_world *world, const sag_ray *ray, search *s) {
+    here->world = world, here->search = s;
+    here->ray = ray, here->t_max = ray->t_max;
+    here->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;
+    here->candidate_count = 0;
+    here->in_tree = false, here->limit = INFINITY;
 }
 
 static inline void lower_t_max(level *here, double t) {
-    here->ray.t_max = here->triangle_ray.t_max = t;
-    if (here->in_tree) {
-        float limit = sagi_float_ray_limit(&here->tree_ray, t);
-        here->limit = sagi_float_min(here->limit, limit);
-    }
+    here->t_max = t;
+    if (here->in_tree) here->limit = sagi_float_min(here->limit, sagi_float_ray_limit(&here->tree_ray, t));
 }
 
 // Whether the ray sees the geometry.
-static inline bool sees(const level *here, const sagi_item *item) {
-    return (here->ray.mask & item->mask) != 0;
-}
+static inline bool sees(const level *here, const sagi_item *item) { return (here->mask & item->mask) != 0; }
 
 // Only triangles of meshes are in several leaves (scene/clip.c).
 static inline void collect(search *s, const sagi_world *world, const sag_hit *hit) {
@@ -90,10 +87,12 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
     search *s = here->search;
     if (asked == ANY) return s->found = true;
     if (asked == CLOSEST && s->found && !(t <= s->best->t)) return false;
-    sag_hit hit = {.t = t, .u = u, .v = v, .primitive = primitive, .geometry = geometry};
+    sag_hit hit;
+    memset(&hit, 0xFF, sizeof hit); // SAG_INVALID_ID; padding, too, is the same everywhere
+    hit.t = t, hit.u = u, hit.v = v;
+    hit.primitive = primitive, hit.geometry = geometry;
     hit.instance_depth = s->path_length;
-    for (uint32_t i = 0; i < SAG_MAX_INSTANCE_DEPTH; i++)
-        hit.instance_path[i] = i < s->path_length ? s->path[i] : SAG_INVALID_ID;
+    for (uint32_t i = 0; i < s->path_length; i++) hit.instance_path[i] = s->path[i];
     if (asked == ALL) {
         collect(s, here->world, &hit);
     } else if (!s->found || sagi_hit_before(&hit, s->best)) {
@@ -102,6 +101,7 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
     }
     return false;
 }
+_Static_assert(SAG_INVALID_ID == UINT32_MAX, "all its bits are set");
 
 static bool walk_closest(level *here);
 static bool walk_any(level *here);
@@ -123,68 +123,81 @@ SAGI_INLINE float begin_of(waiting w) {
     return u.value;
 }
 
+// What a step takes of the ray, spread over registers.
+typedef struct spread_ray {
+    sagi_f8 near_scale[3], near_add[3], far_scale[3], far_add[3], from;
+    uint32_t near_at[3], far_at[3];
+} spread_ray;
+
+SAGI_INLINE spread_ray spread_of(const sagi_float_ray *r) {
+    spread_ray s;
+    for (int k = 0; k < 3; k++) {
+        s.near_scale[k] = sagi_f8_fill(r->near_scale[k]), s.near_add[k] = sagi_f8_fill(r->near_add[k]);
+        s.far_scale[k] = sagi_f8_fill(r->far_scale[k]), s.far_add[k] = sagi_f8_fill(r->far_add[k]);
+        s.near_at[k] = r->near_at[k], s.far_at[k] = r->far_at[k];
+    }
+    s.from = sagi_f8_fill(r->from);
+    return s;
+}
+
 // One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
 // handed back; the others go on the stack. False when there is none.
-SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const sagi_float_ray *r, float limit,
-                      waiting *stack, int *height, waiting *next) {
+SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const spread_ray *r, float limit,
+                      waiting **stack, waiting *next) {
     const char *at = (const char *)node;
-    sagi_f8 begin = sagi_f8_fill(0), end = sagi_f8_fill(limit);
+    sagi_f8 begin = r->from, end = sagi_f8_fill(limit);
     for (int k = 0; k < 3; k++) {
-        begin = sagi_f8_max(sagi_f8_fma(sagi_f8_load(at + r->near_at[k]), sagi_f8_fill(r->near_scale[k]),
-                                        sagi_f8_fill(r->near_add[k])),
+        begin = sagi_f8_max(sagi_f8_fma(sagi_f8_load(at + r->near_at[k]), r->near_scale[k], r->near_add[k]),
                             begin);
-        end = sagi_f8_min(sagi_f8_fma(sagi_f8_load(at + r->far_at[k]), sagi_f8_fill(r->far_scale[k]),
-                                      sagi_f8_fill(r->far_add[k])),
-                          end);
+        end = sagi_f8_min(sagi_f8_fma(sagi_f8_load(at + r->far_at[k]), r->far_scale[k], r->far_add[k]), end);
     }
     SAGI_KERNEL_COUNT(nodes);
     sagi_i8 met = begin <= end;
-    uint32_t lane, mask;
+    uint32_t mask = sagi_i8_mask(met), lane;
+    if (mask == 0) return false;
+    sagi_i8 bits = sagi_f8_bits(begin), children = sagi_i8_load(node->child);
     if (asked == CLOSEST) {
         // The lane's number takes the place of the last three bits of where it begins, which only moves the
         // beginning forward; what is not met comes last.
         const sagi_i8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
-        sagi_i8 key = (sagi_f8_bits(begin) & ~7) | numbers;
-        int32_t least = sagi_i8_least((met & key) | (~met & INT32_MAX));
-        mask = sagi_i8_mask(met);
-        if (mask == 0) return false;
-        lane = (uint32_t)least & 7;
-        *next = (uint64_t)((uint32_t)least & ~7U) << 32 | node->child[lane];
+        uint32_t least = (uint32_t)sagi_i8_least((bits & ~7) | numbers | (~met & INT32_MAX));
+        lane = least & 7;
+        *next = (uint64_t)(least & ~7U) << 32 | node->child[lane];
     } else {
-        mask = sagi_i8_mask(met);
-        if (mask == 0) return false;
         lane = (uint32_t)__builtin_ctz(mask);
-        *next = (uint64_t)(uint32_t)sagi_f8_bits(begin)[lane] << 32 | node->child[lane];
+        *next = (uint64_t)(uint32_t)bits[lane] << 32 | node->child[lane];
     }
-    *height += sagi_append_pairs(stack + *height, mask & ~(1U << lane), sagi_f8_bits(begin),
-                                 sagi_i8_load(node->child));
+    *stack += sagi_append_pairs(*stack, mask & ~(1U << lane), bits, children);
     return true;
 }
 
 // True when the search is over.
 SAGI_INLINE bool walk(question asked, level *here) {
     const sagi_world *world = here->world;
-    if (list(asked, here, world->unbounded, world->unbounded_count)) return true;
-    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, &here->ray, &here->tree_ray)) return false;
+    if (world->unbounded_count != 0) {
+        if (!sag_ray_is_valid(here->ray)) return false;
+        if (list(asked, here, world->unbounded, world->unbounded_count)) return true;
+    }
+    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, here->ray, &here->tree_ray)) return false;
     here->in_tree = true;
-    here->limit = sagi_float_ray_limit(&here->tree_ray, here->ray.t_max);
+    here->limit = here->tree_ray.limit;
+    if (here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
     waiting stack[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH]; // eight are written at a time, however few are met
-    int height = 0;
-    waiting next = 0; // the root
+    waiting *top = stack, next = 0;                      // the root
+    spread_ray ray = spread_of(&here->tree_ray);
+    const sagi_bvh_node *nodes = world->tree.nodes;
     for (;;) {
         if (((uint32_t)next & SAGI_BVH_LEAF) == 0) {
-            if (step(asked, &world->tree.nodes[(uint32_t)next], &here->tree_ray, here->limit, stack, &height,
-                     &next))
-                continue;
+            if (step(asked, &nodes[(uint32_t)next], &ray, here->limit, &top, &next)) continue;
         } else if (leaf(asked, here, sagi_leaf(&world->tree, (uint32_t)next), begin_of(next))) {
             return true;
         }
         do {
-            if (height == 0) {
+            if (top == stack) {
                 if (asked == CLOSEST) settle(here);
                 return false;
             }
-            next = stack[--height];
+            next = *--top;
         } while (asked == CLOSEST && begin_of(next) > here->limit);
     }
 }
@@ -194,18 +207,20 @@ static bool walk_any(level *here) { return walk(ANY, here); }
 static bool walk_all(level *here) { return walk(ALL, here); }
 
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
-    sag_hit best;
-    search s = {.best = &best};
-    level here = enter(world, ray, &s);
-    walk_closest(&here);
-    if (s.found) *hit = best;
+    search s;
+    s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0;
+    level here;
+    enter(&here, world, ray, &s);
+    walk(CLOSEST, &here);
     return s.found;
 }
 
 static bool occluded(const sagi_world *world, const sag_ray *ray) {
-    search s = {.found = false};
-    level here = enter(world, ray, &s);
-    return walk_any(&here);
+    search s;
+    s.found = false, s.both_sides = false, s.path_length = 0;
+    level here;
+    enter(&here, world, ray, &s);
+    return walk(ANY, &here);
 }
 
 static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
@@ -213,8 +228,9 @@ static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_s
     sag_hit kept[SAGI_REPEATS_KEPT];
     search s = {.collector = {hits, capacity, 0}, .both_sides = both_sides, .repeats.kept = kept};
     do {
-        level here = enter(world, ray, &s);
-        walk_all(&here);
+        level here;
+        enter(&here, world, ray, &s);
+        walk(ALL, &here);
     } while (sagi_repeats_hand_on(&s.repeats, &s.collector));
     sagi_collector_finish(&s.collector);
     return s.collector.count;

@@ -12,7 +12,8 @@ static inline bool mesh_run(question asked, level *here, const sagi_bvh_referenc
     return false;
 }
 
-// The ray in the space of the geometry of a run; worked out again only when the geometry changes.
+// The ray in the space of the geometry of a run, with the t_max that is known by now; worked out again only
+// when the geometry changes.
 typedef struct local_ray {
     const sagi_item *item;
     bool valid;
@@ -20,13 +21,16 @@ typedef struct local_ray {
 } local_ray;
 
 static inline const sag_ray *local(const level *here, const sagi_item *item, local_ray *at) {
-    if (item->place == NULL) return &here->ray;
     if (at->item != item) {
         at->item = item;
-        at->ray = sag_ray_transform(&item->place->to_object, &here->ray);
-        at->valid = sag_ray_is_valid(&at->ray);
+        at->valid = true;
+        at->ray = *here->ray;
+        if (item->place != NULL) {
+            at->ray = sag_ray_transform(&item->place->to_object, here->ray);
+            at->valid = sag_ray_is_valid(&at->ray);
+        }
     }
-    at->ray.t_max = here->ray.t_max;
+    at->ray.t_max = here->t_max;
     return at->valid ? &at->ray : NULL;
 }
 
@@ -59,7 +63,7 @@ typedef struct user_sink {
 static double user_take(void *argument, uint32_t primitive, double t, double u, double v) {
     user_sink *sink = argument;
     sink->over |= accept(sink->asked, sink->here, sink->geometry, primitive, t, u, v);
-    return sink->here->ray.t_max;
+    return sink->here->t_max;
 }
 
 // User-defined primitives: one call of the callback for those of one geometry.
@@ -90,14 +94,15 @@ static inline bool instance_run(question asked, level *here, const sagi_bvh_refe
         local_ray at = {.item = NULL};
         const sag_ray *ray = sees(here, item) ? local(here, item, &at) : NULL;
         if (ray == NULL) continue;
-        level below = enter(item->child, ray, s);
+        level below;
+        enter(&below, item->child, ray, s);
         s->path[s->path_length++] = refs[i].geometry;
         bool over = asked == CLOSEST ? walk_closest(&below)
                     : asked == ANY   ? walk_any(&below)
                                      : walk_all(&below);
         s->path_length--;
         if (over) return true;
-        lower_t_max(here, below.ray.t_max);
+        lower_t_max(here, below.t_max);
     }
     return false;
 }
@@ -167,7 +172,8 @@ static inline bool run(question asked, level *here, sag_shape_kind kind, const s
 }
 
 // Cuts references into runs of one kind.
-static inline bool list(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count) {
+static __attribute__((noinline)) bool list(question asked, level *here, const sagi_bvh_reference *refs,
+                                           uint32_t count) {
     for (uint32_t i = 0, n; i < count; i += n) {
         uint8_t kind = here->world->items[refs[i].geometry].kind;
         for (n = 1; i + n < count && here->world->items[refs[i + n].geometry].kind == kind; n++) {
@@ -179,7 +185,7 @@ static inline bool list(question asked, level *here, const sagi_bvh_reference *r
 
 // A leaf of the tree that the ray meets at τ = begin at the earliest. Shapes are asked with the t_max that is
 // known by then.
-static inline bool leaf(question asked, level *here, const sagi_block *block, float begin) {
+SAGI_INLINE bool leaf(question asked, level *here, const sagi_block *block, float begin) {
     if (block->kind == SAGI_BLOCK_TRIANGLES)
         return triangle_block(asked, here, (const sagi_triangle_block *)(const void *)block, begin);
     if (asked == CLOSEST) settle(here);

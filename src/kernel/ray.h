@@ -41,13 +41,19 @@
 // calculated in double within the box of everything, and times, their rounding by shapes included, can be
 // off by: δ, and 2⁻⁴⁹ of every number that takes part.
 //
-// Most rays have no small Dᵢ and are of ordinary length. For them all this is done for the three coordinates
-// at once; the others take the careful way, coordinate by coordinate.
+// The quick way. Nearly all rays begin within 64 scenes' sizes, are of ordinary length, have no small Dᵢ and
+// t_min ≥ 0. For them τ₀ = 0, P = q, and floats will do: p = fl(P) and r = fl(1/fl(D)), so that ρ = r(1 + η)
+// with |η| ≤ 2.1v. With the factors 1 ∓ 2⁻²¹ in place of 1 ∓ 2⁻²²,
+//     a = fl(−(p ± w) r'),   r' the scale,   w = 2⁻²¹|p| + 2⁻⁴⁰ + spread, the sign being D's for the entry:
+// p is off by v|P| and δ, its sum with w by v|p|, the product by v|p r'|, the fused sum by v of |a| or of N
+// and the product b r' by v|b r'| ≤ v(|P r'| + |N|): 4.1v|p| < 2⁻²¹|p| pays for those that go with P, and the
+// factor, at least 5.8v away from ρ, for those that go with N. That is the same bound in coarser coin: boxes
+// widened by 2⁻²¹ of the distance from the scene's middle.
 #ifndef SAGI_KERNEL_RAY_H
 #define SAGI_KERNEL_RAY_H
 
-#include "kernel/simd.h"
 #include "kernel/world.h"
+#include "math/simd.h"
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
@@ -57,10 +63,12 @@ typedef struct sagi_float_ray {
     sagi_f4 near_scale, near_add;   // entry = plane · scale + add
     sagi_f4 far_scale, far_add;     // exit
     uint32_t near_at[3], far_at[3]; // where in a node these planes stand, in bytes
-    float t_min, t_max;             // τ of the ray's t_min, a lower bound of τ of its t_max
+    float from;                     // a lower bound of the τ that matter, at least 0
+    float t_max, limit;             // lower and upper bound of τ of the ray's t_max
     sagi_f4 direction;              // D, rounded
     sagi_d4 p, d;                   // P and D
     double error;
+    double t_min;          // τ of the ray's t_min
     double start, unit[3]; // τ = t · unit[0] · unit[1] · unit[2] − start
 } sagi_float_ray;
 
@@ -93,14 +101,19 @@ static inline float time_floor(const sagi_float_ray *ray, double t) {
     return (float)(floor - fabs(floor) * 0x1p-22);
 }
 
-static inline double largest_of_three(sagi_d4 a) { return fmax(a[0], fmax(a[1], a[2])); }
+// (fmax and fmin of libm are calls, for the sake of NaN.)
+static inline double greater(double a, double b) { return a > b ? a : b; }
+static inline double lesser(double a, double b) { return a < b ? a : b; }
+static inline double largest_of_three(sagi_d4 a) { return greater(a[0], greater(a[1], a[2])); }
 
 // What is left once P, D and everything per coordinate is there.
 static inline void finish(sagi_float_ray *out, const sag_ray *ray, double enter, double leave, double delta) {
     out->start = enter;
     // A t beyond the doubles, as very short directions have it, is no hit.
-    out->t_min = (float)(scaled_time(out, fmax(ray->t_min, -DBL_MAX)) - enter);
-    out->t_max = time_floor(out, fmin(ray->t_max, DBL_MAX));
+    out->t_min = scaled_time(out, greater(ray->t_min, -DBL_MAX)) - enter;
+    out->from = 0;
+    out->t_max = time_floor(out, lesser(ray->t_max, DBL_MAX));
+    out->limit = sagi_float_ray_limit(out, ray->t_max);
     out->direction = sagi_d4_to_f4(out->d);
     out->error = delta + 0x1p-49 * (fabs(enter) + fabs(leave) + largest_of_three(sagi_d4_abs(out->p)) + 3);
 }
@@ -116,7 +129,7 @@ static inline void make_blind(sagi_float_ray *out) {
     out->p = out->d = sagi_d4_fill(0);
     out->direction = (sagi_f4){0, 0, 0, 0};
     out->error = INFINITY;
-    out->t_min = -INFINITY, out->t_max = -INFINITY;
+    out->t_min = -INFINITY, out->t_max = -INFINITY, out->limit = INFINITY, out->from = 0;
     out->start = -INFINITY; // makes every limit infinite
 }
 
@@ -134,9 +147,10 @@ static inline void set_axis(sagi_float_ray *out, int k, double p, double d, doub
     out->near_at[k] = signbit(d) ? upper : lower, out->far_at[k] = signbit(d) ? lower : upper;
 }
 
-// Fills *out; false when the ray certainly misses everything in the tree, which is not empty.
-static __attribute__((noinline)) bool make_carefully(const sagi_world *world, const sag_ray *ray,
-                                                     sagi_float_ray *out) {
+// Fills *out; false when the ray certainly misses everything in the tree or is not valid.
+static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *world, const sag_ray *ray,
+                                                           sagi_float_ray *out) {
+    if (!sag_ray_is_valid(ray)) return false;
     const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
     const double o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
     const double c[3] = {world->origin.x, world->origin.y, world->origin.z};
@@ -187,57 +201,44 @@ static __attribute__((noinline)) bool make_carefully(const sagi_world *world, co
     return true;
 }
 
-// The same for all coordinates at once. The conditions: an ordinary length, no small Dᵢ, not from far away.
+// The quick way where it is allowed, else the careful one.
 SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
-    const sagi_l4 three = {-1, -1, -1, 0};
-    sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction));
-    sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
-    o = (sagi_d4)((sagi_l4)o & three), d = sagi_d4_select(three, d, sagi_d4_fill(0));
-    sagi_d4 size = sagi_d4_abs(d);
+    sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
+    sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
+    sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
+    double largest = largest_of_three(size), spread = 0;
+    sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
+    if (world->has_spread)
+        spread = (largest_of_three(sagi_d4_abs(o)) * world->spread_relative + world->spread_absolute) *
+                 world->scale * 0x1p-50;
+    if (!(largest > 0x1p-400 && largest < 0x1p400 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
+          (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
+        return make_carefully(world, ray, out);
     union {
         double value;
         uint64_t bits;
-    } largest = {.value = largest_of_three(size)};
-    int exponent = (int)(largest.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
-    sagi_d4 small = size - sagi_d4_fill(largest.value * 0x1p-39);
-    sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
-    sagi_d4 q_size = sagi_d4_abs(q);
-    double far = largest_of_three(q_size), most_o = largest_of_three(sagi_d4_abs(o));
-    double spread = (most_o * world->spread_relative + world->spread_absolute) * world->scale * 0x1p-50;
-    sagi_d4 base_error = sagi_d4_fill(spread + 0x1p-90);
-    if (!(exponent > -900 && exponent < 900 && small[0] >= 0 && small[1] >= 0 && small[2] >= 0 &&
-          far < 0x1p60 && spread < 0x1p60))
-        return make_carefully(world, ray, out);
-    out->unit[0] = power_of_two(exponent), out->unit[1] = world->scale, out->unit[2] = 1;
+    } u = {.value = largest};
+    int exponent = (int)(u.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
+    double unit = power_of_two(exponent) * world->scale;
     d *= sagi_d4_fill(power_of_two(-exponent));
-    d[3] = 1;
-    sagi_d4 inverse = sagi_d4_fill(1) / d;
-    double enter = scaled_time(out, ray->t_min), leave = scaled_time(out, ray->t_max);
-    enter -= 0x1p-48 * fabs(enter) + 0x1p-70, leave += 0x1p-48 * fabs(leave) + 0x1p-70;
-    sagi_d4 a = (world->lower - q) * inverse, b = (world->upper - q) * inverse;
-    sagi_d4 error = sagi_d4_fill(0x1p-50) * (sagi_d4_fill(1) + q_size) + base_error;
-    sagi_d4 margin = sagi_d4_fill(2) * error * sagi_d4_abs(inverse);
-    sagi_d4 in = sagi_d4_min(a, b) - margin, away = sagi_d4_max(a, b) + margin;
-    enter = fmax(enter, largest_of_three(in)), leave = fmin(leave, -largest_of_three(-away));
-    if (!(enter <= leave)) return false;
-
-    sagi_d4 walked = sagi_d4_fill(enter) * d;
-    error = sagi_d4_fill(0x1p-50) * (q_size + sagi_d4_abs(walked)) + base_error;
-    out->p = q + walked, out->d = d;
-    out->near_scale = sagi_d4_to_f4(inverse * sagi_d4_fill(1 - 0x1p-22));
-    out->far_scale = sagi_d4_to_f4(inverse * sagi_d4_fill(1 + 0x1p-22));
-    sagi_d4 near = out->p * sagi_f4_to_d4(out->near_scale), far_scale = sagi_f4_to_d4(out->far_scale);
-    sagi_d4 reach = sagi_d4_abs(far_scale) * error * sagi_d4_fill(1 + 0x1p-20) + sagi_d4_fill(0x1p-100);
-    sagi_d4 beyond = out->p * far_scale;
-    const sagi_d4 slack = sagi_d4_fill(0x1p-22), most = sagi_d4_fill(FLT_MAX);
-    out->near_add = sagi_d4_to_f4(sagi_d4_max(-near - (slack * sagi_d4_abs(near) + reach), -most));
-    out->far_add = sagi_d4_to_f4(sagi_d4_min(-beyond + (slack * sagi_d4_abs(beyond) + reach), most));
-    for (int k = 0; k < 3; k++) {
-        uint32_t lower = (uint32_t)k * SAGI_PLANE_BYTES, turn = 3 * SAGI_PLANE_BYTES;
-        uint32_t backward = d[k] < 0 ? turn : 0;
-        out->near_at[k] = lower + backward, out->far_at[k] = lower + turn - backward;
+    out->p = q, out->d = d;
+    sagi_f4 p = sagi_d4_to_f4(q), direction = sagi_d4_to_f4(d), inverse = 1 / direction;
+    sagi_w4 sign = (sagi_w4)direction & INT32_MIN;
+    sagi_f4 wide = (sagi_f4)((sagi_w4)p & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
+    wide = (sagi_f4)((sagi_w4)wide | sign);
+    out->direction = direction;
+    out->near_scale = inverse * (1 - 0x1p-21F), out->far_scale = inverse * (1 + 0x1p-21F);
+    out->near_add = -(p + wide) * out->near_scale, out->far_add = -(p - wide) * out->far_scale;
+    uint32_t backward = sagi_d4_signs(d);
+    for (uint32_t k = 0; k < 3; k++) {
+        uint32_t turn = (backward >> k & 1) * (3 * SAGI_PLANE_BYTES);
+        out->near_at[k] = k * SAGI_PLANE_BYTES + turn, out->far_at[k] = (k + 3) * SAGI_PLANE_BYTES - turn;
     }
-    finish(out, ray, enter, leave, largest_of_three(error));
+    double first = ray->t_min * unit, last = ray->t_max * unit;
+    out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
+    out->t_min = first, out->from = (float)(first * (1 - 0x1p-22));
+    out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
+    out->error = 0x1p-43 + spread;
     return true;
 }
 

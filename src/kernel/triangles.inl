@@ -7,47 +7,46 @@
 //
 // Calculation. In the grid's coordinates the ray is o + t' d, with o the point of the ray where it meets the
 // block's box at the earliest (τ = begin), and time counts grid steps: τ = begin + t'·2^-exponent. With A, B,
-// C the corners minus o,
+// C the corners minus o, and n = (b − a) × (c − a),
 //     m_a = d × A,  m_b = d × B,     e(a,b) = m_a·B,  e(b,c) = m_b·C,  e(c,a) = −m_a·C,
-//     D = e(a,b) + e(b,c) + e(c,a),  T = A·(B × C),   t' = T/D,
-// which are the edge functions of triangle_test.c and the t of triangle_solve.c: m_a·A = 0, and so on.
+//     D = d·n,  T = A·n,  t' = T/D,
+// which are the edge functions of triangle_test.c (m_a·A = 0) and the t of triangle_solve.h.
 //
-// Errors, in grid steps. v = 2⁻²⁴, g = SAGI_GRID_ERROR, R = max|oᵢ|, h = the error of o: what the ray's own
-// is (sagi_float_ray.error), and vR. L = 2¹⁶ + R exceeds every |Aᵢ|, and |dᵢ| ≤ 1 up to v.
-//     Aᵢ is off by σ = g + h + vL.
+// Errors, in grid steps. v = 2⁻²⁴, g = SAGI_GRID_ERROR. The ray begins near the block, R = max|oᵢ| ≤ 2¹⁶, and
+// o is off by at most h = 2⁻³ + 2⁻⁸ (sagi_float_ray.error, and its own rounding vR); where that is not so all
+// is uncertain. L = 2¹⁷ exceeds every |Aᵢ|, and |dᵢ| ≤ 1 up to v. E bounds the edges' coordinates
+// (sagi_block.edge); edges of whole numbers are exact but for the corners' own errors.
+//     Aᵢ is off by σ = g + h + vL < 0.64.
 //     m: two products each off by σ + vL (that of d), and 4vL for roundings:     μ = 2σ + 6.1vL;  |m| ≤ 2L.
 //     e: three products each off by μL + 2Lσ + μσ, and 20vL² for roundings:
-//         ΔE = 12Lσ + 38.3vL² + 3μσ ≤ (12.5L + 7h)(g + h) + 52vL².               (3μσ ≤ 6σ² + …)
-//     B = (13L + 8h)(g + h) + 54vL² in float is above ΔE, its own roundings included.
-//     D is off by 3ΔE and 30vL² of roundings: 3.6B.
-//     T: n = B × C has |nᵢ| ≤ 2L², off by 4Lσ + 2σ² + 4.1vL²; A·n is then off by
-//         18L²σ + 6Lσ² + 31vL³ ≤ 1.5LB.
-// So an e beyond ±B has the sign of the true one: two of opposite signs are a certain miss, three of one sign
-// a certain hit of the triangle's inside.
-//
-// Times. Every true hit lies in the block and so has |t'| ≤ 2.1L (|d|∞ ≥ ½): bounds on t' may be brought
-// within ±4L first. Let X = |D|x − sign(D) T for such a bound x. With D and T off as said, 3.1LB for
-// roundings and 3LB for the error of x, X is off by less than 14.4LB + 1.5LB + 3.1LB + 3LB < 40LB. So X <
-// −40LB is a certain t' > x, and X > 40LB a certain t' < x; even where D's sign itself is not certain: then
-// |D| < 7.2B is the true one's bound and |T| > (40 − 14.4 − 1.5 − 6.1)LB, so that |t'| > 2.4L, no hit at all.
-//
-// What is not finite here (a ray from too far away has error ∞) fails all comparisons and stays uncertain.
+//         ΔE = 12Lσ + 38.3vL² + 3μσ < 8.1L  = B.
+//     n: each edge is off by 2g, so nᵢ by 8gE + 8g² and 4.1vE² for roundings:   ν = 8.1gE + 4.1vE²;  |n| ≤
+//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b₁. T:
+//     3νL, 6E²σ, 30vE²L for roundings:                ΔT < L b₁ + 4E² = b₀.
+// An e beyond ±B has the sign of the true one: two of opposite signs are a certain miss, three of one sign a
+// certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is certain, and for any time x
+//     X = sign(D) T − |D| x  is off by at most  b₀ + b₁|x|  (and 5vE²|x| for roundings, which b₁ has room
+//     for),
+// so that beyond that X says for certain on which side of x the hit is. Every hit lies in the block's box,
+// which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±4L first.
 
 typedef struct block_answer {
     uint32_t certain, uncertain; // lanes
+    uint32_t inside;             // of the uncertain: those of which only the time is
     uint32_t back;               // of the certain: those met from the back
-    sagi_f8 t, d, error;         // T with D's sign, |D|, 40LB: for bounds of t'
-    float most;                  // 4L
+    sagi_f8 t, d;                // T with D's sign, |D|
+    float b0, b1;                // bounds
 } block_answer;
 
 typedef struct f8x3 {
     sagi_f8 x, y, z;
 } f8x3;
 
-SAGI_INLINE f8x3 corner(const sagi_triangle_block *block, int i, const f8x3 *o) {
-    return (f8x3){sagi_f8_from_h8(block->corner[i][0]) - o->x, sagi_f8_from_h8(block->corner[i][1]) - o->y,
-                  sagi_f8_from_h8(block->corner[i][2]) - o->z};
+SAGI_INLINE f8x3 corner(const sagi_triangle_block *block, int i) {
+    return (f8x3){sagi_f8_from_h8(block->corner[i][0]), sagi_f8_from_h8(block->corner[i][1]),
+                  sagi_f8_from_h8(block->corner[i][2])};
 }
+SAGI_INLINE f8x3 sub8(const f8x3 *a, const f8x3 *b) { return (f8x3){a->x - b->x, a->y - b->y, a->z - b->z}; }
 SAGI_INLINE f8x3 cross8(const f8x3 *a, const f8x3 *b) {
     return (f8x3){sagi_f8_fms(a->y, b->z, a->z * b->y), sagi_f8_fms(a->z, b->x, a->x * b->z),
                   sagi_f8_fms(a->x, b->y, a->y * b->x)};
@@ -74,37 +73,48 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
     double steps = power_of_two(block->head.exponent);
     sagi_d4 at =
         ((ray->p + ray->d * sagi_d4_fill((double)begin)) - grid_zero(block->head.base)) * sagi_d4_fill(steps);
+    bool usual = (sagi_d4_signs((sagi_d4)(sagi_d4_abs(at) <= sagi_d4_fill(0x1p16))) & 7) == 7 &&
+                 ray->error * steps <= 0.125;
     f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction);
-    sagi_f8 r = sagi_f8_max(sagi_f8_max(sagi_f8_abs(o.x), sagi_f8_abs(o.y)), sagi_f8_abs(o.z));
-    sagi_f8 l = r + 65536.0F, h = r * 0x1p-24F + (float)(ray->error * steps);
-    sagi_f8 bound = (l * 13 + h * 8) * (h + (float)SAGI_GRID_ERROR) + l * l * (54 * 0x1p-24F);
+    float edge = (float)(block->head.edge + 1) * 256;
+    float b1 = edge * (12.5F + edge * (60 * 0x1p-24F)), b0 = 0x1p17F * b1 + 4 * edge * edge;
+    const float bound = 8.1F * 0x1p17F, range = 0x1p19F;
 
-    f8x3 a = corner(block, 0, &o), b = corner(block, 1, &o), c = corner(block, 2, &o);
-    f8x3 ma = cross8(&d, &a), mb = cross8(&d, &b), n = cross8(&b, &c);
+    f8x3 a = corner(block, 0), b = corner(block, 1), c = corner(block, 2);
+    f8x3 edge1 = sub8(&b, &a), edge2 = sub8(&c, &a), n = cross8(&edge1, &edge2);
+    a = sub8(&a, &o), b = sub8(&b, &o), c = sub8(&c, &o);
+    f8x3 ma = cross8(&d, &a), mb = cross8(&d, &b);
     sagi_f8 ab = dot8(&ma, &b), bc = dot8(&mb, &c), ca = -dot8(&ma, &c);
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, bc), ca), most = sagi_f8_max(sagi_f8_max(ab, bc), ca);
     sagi_i8 outside = (least < -bound) & (most > bound), inside = (least > bound) | (most < -bound);
 
-    sagi_f8 den = ab + bc + ca, num = dot8(&a, &n);
+    sagi_f8 num = dot8(&a, &n), den = dot8(&d, &n);
     sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
     sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
-    sagi_f8 range = l * 4, error = l * bound * 40;
     float grid = (float)steps;
-    sagi_f8 last = sagi_f8_min(sagi_f8_fill((limit - begin) * grid), range);
-    sagi_f8 last_certain = sagi_f8_min(sagi_f8_fill((ray->t_max - begin) * grid), last);
-    sagi_f8 first = sagi_f8_max(sagi_f8_fill((ray->t_min - begin) * grid), -range);
-    sagi_i8 beyond = (t - size * last > error) | (t - size * first < -error);
-    sagi_i8 within = (size * last_certain - t > error) & (t - size * first > error);
+    float first = sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range);
+    float last = sagi_float_min((limit - begin) * grid, range);
+    float last_certain = sagi_float_min((ray->t_max - begin) * grid, last);
+    sagi_i8 known = size > 2 * b1;
+    sagi_i8 beyond =
+        (t - size * last > b0 + b1 * fabsf(last)) | (t - size * first < -(b0 + b1 * fabsf(first)));
+    sagi_i8 within = (t - size * last_certain < -(b0 + b1 * fabsf(last_certain))) &
+                     (t - size * first > b0 + b1 * fabsf(first));
 
-    uint32_t there = (1U << block->head.count) - 1;
-    uint32_t missed = sagi_i8_mask(outside | beyond), certain = sagi_i8_mask(inside & within) & there;
+    uint32_t left = (1U << block->head.count) - 1, certain = 0, surely_inside = 0;
+    if (usual) {
+        left &= ~sagi_i8_mask(outside | (beyond & known));
+        surely_inside = sagi_i8_mask(inside);
+        certain = left & sagi_i8_mask(inside & within & known);
+    }
     return (block_answer){.certain = certain,
-                          .uncertain = there & ~missed & ~certain,
-                          .back = certain & ~sagi_i8_mask(sign),
+                          .uncertain = left & ~certain,
+                          .inside = surely_inside,
+                          .back = ~sagi_i8_mask(sign),
                           .t = t,
                           .d = size,
-                          .error = error,
-                          .most = range[0]};
+                          .b0 = b0,
+                          .b1 = b1};
 }
 
 static inline const sagi_item *item_of(const level *here, const sagi_block *head) {
@@ -126,14 +136,21 @@ static inline mesh_corners corners_of(const sagi_item *item, uint32_t primitive)
                           sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2])};
 }
 
+static inline sagi_triangle_ray triangle_ray_of(const level *here) {
+    sagi_triangle_ray ray = sagi_triangle_prepare(here->ray);
+    ray.t_max = here->t_max;
+    return ray;
+}
+
 // One triangle by the exact test.
 static inline bool triangle(question asked, level *here, const sagi_item *item, sagi_bvh_reference r) {
     const sag_mesh *mesh = item->shape;
     const bool one_sided = mesh->one_sided && !here->search->both_sides;
     mesh_corners at = corners_of(item, r.primitive);
+    sagi_triangle_ray ray = triangle_ray_of(here);
     double t, u, v;
     SAGI_KERNEL_COUNT(exact_tests);
-    if (!sagi_triangle_hit(&here->triangle_ray, &at.a, &at.b, &at.c, one_sided, &t, &u, &v)) return false;
+    if (!sagi_triangle_hit(&ray, &at.a, &at.b, &at.c, one_sided, &t, &u, &v)) return false;
     return accept(asked, here, r.geometry, r.primitive, t, item->mirrored ? v : u, item->mirrored ? u : v);
 }
 
@@ -142,9 +159,10 @@ static inline bool certain_triangle(question asked, level *here, const sagi_tria
                                     uint32_t lane) {
     const sagi_item *item = item_of(here, &block->head);
     mesh_corners at = corners_of(item, block->primitive[lane]);
+    sagi_triangle_ray ray = triangle_ray_of(here);
     double t, u, v;
     SAGI_KERNEL_COUNT(solved);
-    if (!sagi_triangle_solve(&here->triangle_ray, &at.a, &at.b, &at.c, &t, &u, &v)) return false;
+    if (!sagi_triangle_solve_here(&ray, &at.a, &at.b, &at.c, &t, &u, &v)) return false;
     return accept(asked, here, block->head.geometry, block->primitive[lane], t, item->mirrored ? v : u,
                   item->mirrored ? u : v);
 }
@@ -161,11 +179,12 @@ static inline void settle(level *here) {
 // CLOSEST: a certain hit bounds what still matters, though its t is not known yet.
 static inline void add_candidate(level *here, const sagi_triangle_block *block, const block_answer *answer,
                                  uint32_t lane, float begin) {
-    float step = (float)power_of_two(-(int)block->head.exponent), error = answer->error[0];
+    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
+    float step = (float)power_of_two(-(int)block->head.exponent);
     float t = answer->t[lane], d = answer->d[lane];
-    float latest = begin + sagi_float_min((t + error) / d, answer->most) * step;
-    float earliest = begin + (t - error) / d * step;
-    latest += (fabsf(latest) + begin) * 0x1p-20F, earliest -= (fabsf(earliest) + begin) * 0x1p-20F;
+    float latest = begin + (t + answer->b0) / (d - answer->b1) * step;
+    float earliest = begin + sagi_float_max((t - answer->b0) / (d + answer->b1), 0) * step;
+    latest *= 1 + 0x1p-20F, earliest *= 1 - 0x1p-20F;
     here->limit = sagi_float_min(here->limit, latest);
     if (!(earliest <= here->limit)) return;
     uint32_t kept = 0;
@@ -178,14 +197,14 @@ static inline void add_candidate(level *here, const sagi_triangle_block *block, 
     __builtin_prefetch(mesh->triangles + 3 * (size_t)block->primitive[lane]);
 }
 
-static inline bool triangle_block(question asked, level *here, const sagi_triangle_block *block,
-                                  float begin) {
+SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle_block *block, float begin) {
     const sagi_item *item = item_of(here, &block->head);
     if (!sees(here, item)) return false;
     SAGI_KERNEL_COUNT(blocks);
     block_answer answer = meet_triangles(block, &here->tree_ray, begin, here->limit);
     uint32_t certain = answer.certain;
-    if (((const sag_mesh *)item->shape)->one_sided && !here->search->both_sides) certain &= ~answer.back;
+    bool one_sided = ((const sag_mesh *)item->shape)->one_sided && !here->search->both_sides;
+    if (one_sided) certain &= ~answer.back;
     if (asked == ANY && certain != 0) return here->search->found = true;
     for (; certain != 0; certain &= certain - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(certain);
@@ -197,6 +216,11 @@ static inline bool triangle_block(question asked, level *here, const sagi_triang
     for (uint32_t left = answer.uncertain; left != 0; left &= left - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(left);
         SAGI_KERNEL_COUNT(uncertain);
+        // One whose time alone is uncertain is mostly the one that a ray leaves; solving says so soon.
+        if (answer.inside >> lane & 1 && !one_sided) {
+            if (certain_triangle(asked, here, block, lane)) return true;
+            continue;
+        }
         if (triangle(asked, here, item, (sagi_bvh_reference){block->head.geometry, block->primitive[lane]}))
             return true;
     }

@@ -5,7 +5,7 @@
 #define SAGI_KERNEL_WORLD_H
 
 #include "bvh/bvh.h"
-#include "kernel/simd.h"
+#include "math/simd.h"
 #include <sagitta/scene.h>
 
 typedef struct sagi_world sagi_world;
@@ -43,6 +43,7 @@ struct sagi_world {
     // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing
     // here has a transform (ray.h).
     double spread_relative, spread_absolute;
+    bool has_spread; // one of them is not 0
 };
 
 #endif

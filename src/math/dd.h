@@ -32,7 +32,7 @@ static inline sagi_dd sagi_fast_two_sum(double a, double b) {
 
 static inline sagi_dd sagi_two_prod(double a, double b) {
     double p = a * b;
-#ifdef __FP_FAST_FMA
+#if defined(__FP_FAST_FMA) || defined(__FMA__)
     return (sagi_dd){p, fma(a, b, -p)};
 #else
     const double splitter = 0x1p27 + 1;

@@ -17,7 +17,9 @@ sag_ray sag_ray_transform(const sag_affine *a, const sag_ray *ray) {
 }
 
 bool sag_ray_is_valid(const sag_ray *ray) {
-    sag_vec3 d = ray->direction;
-    return sag_is_finite(ray->origin) && sag_is_finite(d) && (d.x != 0 || d.y != 0 || d.z != 0) &&
-           ray->t_min <= ray->t_max;
+    sag_vec3 o = ray->origin, d = ray->direction;
+    // x − x is 0 for finite x, else NaN.
+    double zero = ((o.x - o.x) + (o.y - o.y) + (o.z - o.z)) + ((d.x - d.x) + (d.y - d.y) + (d.z - d.z));
+    double length = fabs(d.x) + fabs(d.y) + fabs(d.z);
+    return zero == 0 && length > 0 && ray->t_min <= ray->t_max;
 }

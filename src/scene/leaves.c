@@ -104,6 +104,19 @@ static double choose_grid(corners at, sagi_block *head, double zero[3]) {
     return (double)((uint64_t)1 << exponent);
 }
 
+// The byte that says how long edges are at most. (Lanes without a triangle have edges of 0.)
+static uint8_t longest_edge(const sagi_triangle_block *block) {
+    int longest = 0;
+    for (int i = 1; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++) {
+                int edge = block->corner[i][k][j] - block->corner[0][k][j];
+                edge = edge < 0 ? -edge : edge;
+                longest = edge > longest ? edge : longest;
+            }
+    return (uint8_t)(longest >> 8);
+}
+
 // A vertex (p − C)·scale errs by 2⁻⁵² in world units at most, which is 2⁻¹² grid steps at most; subtracting
 // the grid's zero may add as much, scaling is exact and rounding to the grid costs half a step:
 // SAGI_GRID_ERROR.
@@ -128,6 +141,7 @@ static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p,
             for (int j = 0; j < SAGI_BVH_WIDTH; j++)
                 block->corner[i][k][j] = (uint16_t)(j < (int)count ? on_grid[j] : 0);
         }
+    block->head.edge = longest_edge(block);
 }
 
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at) {

@@ -4,19 +4,18 @@
 
 bool sag_intersect(const sag_scene *scene, const sag_ray *ray, sag_hit *hit) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
-    return s != NULL && sag_ray_is_valid(ray) && scene->kernel->intersect(&s->world, ray, hit);
+    return s != NULL && scene->kernel->intersect(&s->world, ray, hit);
 }
 
 bool sag_occluded(const sag_scene *scene, const sag_ray *ray) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
-    return s != NULL && sag_ray_is_valid(ray) && scene->kernel->occluded(&s->world, ray);
+    return s != NULL && scene->kernel->occluded(&s->world, ray);
 }
 
 static size_t crossings(const sag_scene *scene, const sag_ray *ray, bool both_sides, sag_hit *hits,
                         size_t capacity) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
-    if (s == NULL || !sag_ray_is_valid(ray)) return 0;
-    return scene->kernel->crossings(&s->world, ray, both_sides, hits, capacity);
+    return s != NULL ? scene->kernel->crossings(&s->world, ray, both_sides, hits, capacity) : 0;
 }
 
 size_t sag_intersect_all(const sag_scene *scene, const sag_ray *ray, sag_hit *hits, size_t capacity) {

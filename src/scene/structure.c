@@ -131,6 +131,7 @@ static void write_boxes(void *argument, size_t index) {
 // The same for the kernel's eyes; the fourth place means nothing.
 static void describe_units(sagi_snapshot *s) {
     const sagi_float_box *b = &s->world.tree.box;
+    s->world.has_spread = s->world.spread_relative != 0 || s->world.spread_absolute != 0;
     s->world.center = (sagi_d4){s->world.origin.x, s->world.origin.y, s->world.origin.z, 0};
     s->world.lower = (sagi_d4){b->lo[0], b->lo[1], b->lo[2], 0};
     s->world.upper = (sagi_d4){b->hi[0], b->hi[1], b->hi[2], 0};

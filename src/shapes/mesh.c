@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A mesh of triangles, by going through them all: the plain meaning of what a scene answers with a tree. The
-// test of one triangle is in triangle_test.c and triangle_solve.c.
+// test of one triangle is in triangle_test.c and triangle_solve.h.
 //
 // Texture coordinates and derivatives. With the texture coordinates of the three vertices interpolated, p is
 // an affine function of (u, v); from the two edges to c,

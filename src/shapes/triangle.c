@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The triangle a b c: p = (1 − u − v) a + u b + v c, u, v ≥ 0, u + v ≤ 1. The ray test is in triangle_test.c
-// and triangle_solve.c; here is everything else about one triangle, for mesh as well.
+// and triangle_solve.h; here is everything else about one triangle, for mesh as well.
 //
 // Position and its error. p = (a + u (b − a)) + v (c − a): for any weights, however inexact, the result is
 // off the triangle's plane by roundings only, per coordinate at most 2ε (|a| + 2u |b − a| + 2v |c − a|), ε =
 // 2⁻⁵³ (the differences, products and sums, one ε each). That is its distance from the point of the triangle
 // at the u, v reported. 64ε of the longest edge is added in every coordinate: a spawned ray then starts so
-// far off the plane (8ε S(a − o)/|n| and more, see triangle_solve.c) that the test in doubles turns its own
+// far off the plane (8ε S(a − o)/|n| and more, see triangle_solve.h) that the test in doubles turns its own
 // triangle away, unless that is a needle.
 #include "shapes/triangle.h"
 #include "shapes/common.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The exact ray/triangle test, shared by triangle, mesh and the scene's kernels; what it does and why is said
-// in triangle_test.c (the decision) and triangle_solve.c (t, u and v).
+// in triangle_test.c (the decision) and triangle_solve.h (t, u and v).
 //
 // A caller that tests many triangles prepares the ray once:
 //
@@ -23,7 +23,17 @@ typedef struct sagi_triangle_ray {
 } sagi_triangle_ray;
 
 // The ray must be valid (sag_ray_is_valid).
-sagi_triangle_ray sagi_triangle_prepare(const sag_ray *ray);
+static inline sagi_triangle_ray sagi_triangle_prepare(const sag_ray *ray) {
+    sagi_triangle_ray r = {.o = ray->origin, .d = ray->direction, .t_min = ray->t_min, .t_max = ray->t_max};
+    double x = fabs(r.d.x), y = fabs(r.d.y), z = fabs(r.d.z), largest = x > y ? x : y;
+    largest = z > largest ? z : largest;
+    if (!(largest >= 0x1p-64 && largest <= 0x1p64)) {
+        r.exponent = ilogb(largest);
+        r.d = sag_vec3_make(ldexp(r.d.x, -r.exponent), ldexp(r.d.y, -r.exponent), ldexp(r.d.z, -r.exponent));
+    }
+    r.d1 = fabs(r.d.x) + fabs(r.d.y) + fabs(r.d.z);
+    return r;
+}
 
 // Which way the ray's line pierces the triangle a b c: −1 against the normal (b − a) × (c − a), that is from
 // the front; +1 along it; 0: not at all. Exact, ties included; t_min and t_max are not looked at. A triangle

@@ -51,17 +51,6 @@
 #define SAGI_COLD
 #endif
 
-sagi_triangle_ray sagi_triangle_prepare(const sag_ray *ray) {
-    sagi_triangle_ray r = {.o = ray->origin, .d = ray->direction, .t_min = ray->t_min, .t_max = ray->t_max};
-    double largest = sag_max_component(sag_abs(r.d));
-    if (!(largest >= 0x1p-64 && largest <= 0x1p64)) {
-        r.exponent = ilogb(largest);
-        r.d = sag_vec3_make(ldexp(r.d.x, -r.exponent), ldexp(r.d.y, -r.exponent), ldexp(r.d.z, -r.exponent));
-    }
-    r.d1 = fabs(r.d.x) + fabs(r.d.y) + fabs(r.d.z);
-    return r;
-}
-
 static double norm1(sag_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 static double larger(double a, double b) { return a > b ? a : b; }
 static double norm_max(sag_vec3 a) { return larger(larger(fabs(a.x), fabs(a.y)), fabs(a.z)); }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Eight floats at once: all that the kernels need of an instruction set.
+// Eight floats at once, or four doubles: all that the kernels need of an instruction set.
 //
 // The types are the vector types of GCC and Clang, which the compiler lowers to what there is: one register
 // with AVX, two with SSE or NEON, plain code elsewhere. Arithmetic is written with operators. What operators
 // cannot say stands here, by the instruction where there is one.
-#ifndef SAGI_KERNEL_SIMD_H
-#define SAGI_KERNEL_SIMD_H
+#ifndef SAGI_MATH_SIMD_H
+#define SAGI_MATH_SIMD_H
 
 #include <stdint.h>
 #include <string.h>
@@ -30,6 +30,7 @@ typedef double sagi_d4 __attribute__((vector_size(32)));
 typedef int64_t sagi_l4 __attribute__((vector_size(32)));
 typedef uint16_t sagi_h8 __attribute__((vector_size(16)));
 typedef float sagi_f4 __attribute__((vector_size(16)));
+typedef int32_t sagi_w4 __attribute__((vector_size(16)));
 
 #define SAGI_INLINE static inline __attribute__((always_inline))
 
@@ -43,6 +44,13 @@ SAGI_INLINE sagi_d4 sagi_d4_load(const void *p) { // of any alignment
     memcpy(&a, p, sizeof a);
     return a;
 }
+
+// Lanes of one vector in another order.
+#if defined(__clang__) || __GNUC__ >= 12
+#define SAGI_D4_SHUFFLE(a, i, j, k, l) __builtin_shufflevector(a, a, i, j, k, l)
+#else
+#define SAGI_D4_SHUFFLE(a, i, j, k, l) __builtin_shuffle(a, (sagi_l4){i, j, k, l})
+#endif
 
 SAGI_INLINE sagi_i8 sagi_f8_bits(sagi_f8 a) { return (sagi_i8)a; }
 SAGI_INLINE sagi_f8 sagi_f8_abs(sagi_f8 a) { return (sagi_f8)((sagi_i8)a & INT32_MAX); }
@@ -63,6 +71,10 @@ SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return (sagi_
 // a < b ? a : b and a > b ? a : b
 SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_min_ps(a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_max_ps(a, b); }
+// a b − p, rounded once: for p the rounded product, the product's error, and exact.
+SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
+    return (sagi_d4)_mm256_fmsub_pd(a, b, p);
+}
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_min_pd(a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_max_pd(a, b); }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
@@ -75,6 +87,7 @@ SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
 SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     return (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps((__m256i)a));
 }
+SAGI_INLINE uint32_t sagi_d4_signs(sagi_d4 a) { return (uint32_t)_mm256_movemask_pd((__m256d)a); }
 // The least of eight.
 SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
     __m128i m = _mm_min_epi32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
@@ -87,6 +100,12 @@ SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
 
 SAGI_INLINE sagi_f8 sagi_f8_fma(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b + c; }
 SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b - c; }
+SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // Veltkamp and Dekker: dd.h
+    const sagi_d4 splitter = sagi_d4_fill(0x1p27 + 1);
+    sagi_d4 ta = splitter * a, tb = splitter * b, ah = ta - (ta - a), bh = tb - (tb - b);
+    sagi_d4 al = a - ah, bl = b - bh;
+    return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+}
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a < b, a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a > b, a, b); }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) {
@@ -97,6 +116,11 @@ SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
     sagi_h8 h;
     memcpy(&h, p, sizeof h);
     return __builtin_convertvector(__builtin_convertvector(h, sagi_i8), sagi_f8);
+}
+SAGI_INLINE uint32_t sagi_d4_signs(sagi_d4 a) {
+    uint32_t signs = 0;
+    for (int i = 0; i < 4; i++) signs |= (uint32_t)(((sagi_l4)a)[i] < 0) << i;
+    return signs;
 }
 SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
     int32_t least = a[0];
