@@ -175,6 +175,10 @@ typedef struct sag_scene_stats {
     double sah; ///< what a ray through the bounds costs on average as the builder reckons, in visits of nodes
     uint64_t geometry_bytes;  ///< the shapes' own data
     uint64_t structure_bytes; ///< nodes and leaves
+    uint64_t memory_bytes; ///< all that is held for this scene now: the two above, its tables, descriptions
+                           ///< not committed yet or disabled; not the scenes that its instances show
+    uint64_t shared_bytes; ///< the committed scenes that its instances show, and theirs in turn: each once,
+                           ///< however often it is shown. Other scenes may share them
     double build_seconds;
     sag_box3 bounds; ///< of the bounded geometries; empty when there are none
 } sag_scene_stats;

@@ -2,8 +2,10 @@
 // Whether a tree from outside may be walked. Its numbers may be anything, and still no query may leave the
 // arrays, go on for ever or overflow its stack. First each node by itself, on all threads: where its children
 // begin, what its leaves hold. Then a walk from the root that counts: a tree visits no more nodes than there
-// are and ends within SAGI_BVH_MAX_DEPTH levels; what runs in circles or meets again does not. (That boxes
-// hold what they should is not looked at. It costs hits, not safety, and the checksum speaks for it.)
+// are and ends within SAGI_BVH_MAX_DEPTH levels; what runs in circles or meets again does not.
+// Then each group, from which the next commit may take over its part: it must be a tree of its own, of its
+// own geometries. (That boxes hold what they should is not looked at. It costs hits, not safety, and the
+// checksum speaks for it.)
 #include "kernel/block.h"
 #include "scene/file.h"
 
@@ -81,28 +83,38 @@ static bool is_place(sag_vec3 p) { return sag_is_finite(p) && sag_max_component(
 // A child that is there: with nodes checked, one whose box is not empty.
 static bool is_there(const sagi_bvh_node *node, int i) { return node->plane[0][i] <= node->plane[3][i]; }
 
-static const char *check_walk(const sagi_bvh *tree) {
+// From a root whose nodes are [first, first + count) and units [unit_first, unit_first + unit_count).
+typedef struct range {
+    uint32_t first, count, unit_first, unit_count, leaf_count, depth;
+} range;
+
+static const char *check_walk(const sagi_bvh *tree, range r) {
     struct {
         uint32_t node, level;
     } stack[SAGI_BVH_STACK_SIZE];
     uint32_t visited = 0, leaves = 0, depth = 0;
     int height = 0;
-    stack[height].node = 0, stack[height++].level = 1;
+    stack[height].node = r.first, stack[height++].level = 1;
     while (height > 0) {
         uint32_t level = stack[--height].level;
         const sagi_bvh_node *node = &tree->nodes[stack[height].node];
-        if (visited++ == tree->node_count) return "the nodes are no tree";
+        if (visited++ == r.count) return "the nodes are no tree";
         if (level > SAGI_BVH_MAX_DEPTH) return "the tree is too deep";
         if (level > depth) depth = level;
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             if (!is_there(node, i)) continue;
-            if ((node->child[i] & SAGI_BVH_LEAF) != 0)
+            uint32_t child = node->child[i], at = child & ~SAGI_BVH_LEAF;
+            bool leaf = (child & SAGI_BVH_LEAF) != 0;
+            if (leaf ? at < r.unit_first || at - r.unit_first >= r.unit_count
+                     : at < r.first || at - r.first >= r.count)
+                return "a tree that leads out of its group";
+            if (leaf)
                 leaves++;
             else
-                stack[height].node = node->child[i], stack[height++].level = level + 1;
+                stack[height].node = child, stack[height++].level = level + 1;
         }
     }
-    return visited == tree->node_count && leaves == tree->leaf_count && depth == tree->depth
+    return visited == r.count && leaves == r.leaf_count && depth == r.depth
                ? NULL
                : "nodes, leaves or levels are not as many as they should be";
 }
@@ -120,6 +132,71 @@ static const char *check_units(const sagi_snapshot *s) {
     return is_box(w->tree.box.lo, w->tree.box.hi) ? NULL : "the tree's box is none";
 }
 
+static bool is_inside(uint64_t first, uint64_t count, uint64_t all) {
+    return first <= all && count <= all - first;
+}
+
+static bool has_only_members(const sagi_snapshot *s, const sagi_group *g, const sagi_bvh_reference *r,
+                             uint32_t count) {
+    // Only an own tree of one geometry is refitted; in a shared one every primitive is some member's: else it
+    // would be kept when that changes.
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t low = g->member_first, high = g->member_first + g->member_count;
+        while (high - low > 1) { // members are in order
+            uint32_t middle = low + (high - low) / 2;
+            if (s->members[middle] <= r[i].geometry)
+                low = middle;
+            else
+                high = middle;
+        }
+        if (s->members[low] != r[i].geometry) return false;
+    }
+    return true;
+}
+
+static bool has_only_own_leaves(const sagi_snapshot *s, const sagi_group *g) {
+    for (uint32_t n = g->node_first; n < g->node_first + g->tree.node_count; n++)
+        for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
+            const sagi_bvh_node *node = &s->world.tree.nodes[n];
+            if (!is_there(node, i) || (node->child[i] & SAGI_BVH_LEAF) == 0) continue;
+            const sagi_block *block = sagi_leaf(&s->world.tree, node->child[i]);
+            size_t end = (size_t)(node->child[i] & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT +
+                         sagi_block_bytes((sagi_block_kind)block->kind, block->count);
+            if (end > ((size_t)g->unit_first + g->tree.unit_count) * SAGI_BVH_UNIT) return false;
+            sagi_bvh_reference first = sagi_block_reference(block, 0);
+            bool own =
+                block->kind == SAGI_BLOCK_REFERENCES
+                    ? has_only_members(s, g, ((const sagi_reference_block *)(const void *)block)->reference,
+                                       block->count)
+                    : has_only_members(s, g, &first, 1);
+            if (!own) return false;
+        }
+    return true;
+}
+
+static const char *check_group(const sagi_snapshot *s, const sagi_group *g) {
+    const sagi_bvh *t = &g->tree, *all = &s->world.tree;
+    const sag_box3 *b = &g->found.bounds;
+    if (!is_inside(g->unbounded_first, g->found.unbounded, s->world.unbounded_count) ||
+        !is_inside(g->node_first, t->node_count, all->node_count) ||
+        !is_inside(g->unit_first, t->unit_count, all->unit_count))
+        return "a group that leads out of the scene";
+    if (g->found.good > s->stats.primitive_count || g->found.unbounded > s->stats.primitive_count)
+        return "a group of too many primitives";
+    if (!has_only_members(s, g, s->unbounded + g->unbounded_first, (uint32_t)g->found.unbounded))
+        return "a group with another's primitives";
+    if ((t->node_count > 0) != (g->found.good > 0) || (g->found.good > 0) == sag_box3_is_empty(b))
+        return "a group with a tree of nothing";
+    if (t->node_count == 0)
+        return t->unit_count == 0 && is_no_box(t->box.lo, t->box.hi) ? NULL : "leaves without a tree";
+    if (!is_place(b->min) || !is_place(b->max) || !is_box(t->box.lo, t->box.hi))
+        return "a group's box that is none";
+    range r = {g->node_first, t->node_count, g->unit_first, t->unit_count, t->leaf_count, t->depth};
+    const char *wrong = check_walk(all, r);
+    if (wrong != NULL) return wrong;
+    return has_only_own_leaves(s, g) ? NULL : "a group with another's primitives";
+}
+
 const char *sagi_snapshot_check(const sagi_snapshot *s) {
     const sagi_bvh *tree = &s->world.tree;
     checker c = {.snapshot = s};
@@ -128,9 +205,12 @@ const char *sagi_snapshot_check(const sagi_snapshot *s) {
     for (uint32_t i = 0; i < s->world.unbounded_count; i++)
         if (!is_primitive(s, s->unbounded[i], SAGI_PRIMITIVE_UNBOUNDED))
             return "an unbounded primitive that is none";
-    if (tree->node_count == 0) return tree->unit_count == 0 ? NULL : "leaves without a tree";
+    if (tree->node_count == 0 && tree->unit_count > 0) return "leaves without a tree";
     sag_parallel_for(s->context, (tree->node_count + NODES_AT_A_TIME - 1) / NODES_AT_A_TIME, check_nodes, &c);
     if (atomic_load(&c.bad_node)) return "a node that is none";
     if (atomic_load(&c.bad_leaf)) return "a leaf that is none";
-    return check_walk(tree);
+    range all = {0, tree->node_count, 0, tree->unit_count, tree->leaf_count, tree->depth};
+    if (tree->node_count > 0) wrong = check_walk(tree, all);
+    for (uint32_t i = 0; i < s->group_count && wrong == NULL; i++) wrong = check_group(s, &s->groups[i]);
+    return wrong;
 }

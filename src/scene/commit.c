@@ -80,6 +80,7 @@ static sag_status make(const sag_scene *scene, sagi_snapshot *s, sag_error *erro
     sag_status status = sagi_snapshot_fill(s, scene, error);
     if (status != SAG_OK) return status;
     status = sagi_snapshot_build(s, scene->cell->current);
+    if (status == SAG_OK && !sagi_snapshot_count_shared(s)) status = SAG_ERROR_MEMORY;
     if (status == SAG_ERROR_ARGUMENT) return sag_error_set(error, status, "more than 2^31 primitives");
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory while building the scene");
 }
@@ -106,9 +107,22 @@ sag_status sag_scene_commit(sag_scene *scene, sag_error *error) {
     return SAG_OK;
 }
 
+// The committed data and tables, the scene's own, and the descriptions that are not (any more, or yet) the
+// committed ones.
+static uint64_t memory_of(const sag_scene *scene, const sagi_snapshot *s) {
+    uint64_t bytes = sizeof *scene + sizeof *scene->cell + scene->capacity * sizeof *scene->geometries;
+    bytes += sagi_snapshot_table_bytes(s) + s->stats.geometry_bytes + s->stats.structure_bytes;
+    for (uint32_t i = 0; i < scene->count; i++) {
+        const sagi_store *store = scene->geometries[i].store;
+        if (store != NULL && (i >= s->count || s->entries[i].store != store)) bytes += store->bytes;
+    }
+    return bytes;
+}
+
 void sag_scene_get_stats(const sag_scene *scene, sag_scene_stats *stats) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
     *stats = s != NULL ? s->stats : (sag_scene_stats){.bounds = sag_box3_empty()};
+    if (s != NULL) stats->memory_bytes = memory_of(scene, s);
 }
 
 sag_box3 sag_scene_bounds(const sag_scene *scene) {

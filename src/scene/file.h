@@ -13,6 +13,7 @@
 //     GEOMETRIES  a sagi_file_geometry for each id
 //     ARRAY       for each geometry its arrays, in the order of sagi_shape_parts
 //     UNBOUNDED   sagi_bvh_reference
+//     GROUPS      a sagi_file_group for each of sagi_groups_form's
 //     NODES       sagi_bvh_node
 //     LEAVES      units (kernel/block.h)
 // What can be worked out to the same bits is not there: inverse maps, meshes moved by their transforms.
@@ -42,6 +43,7 @@ typedef enum sagi_file_tag {
     SAGI_FILE_GEOMETRIES,
     SAGI_FILE_ARRAY,
     SAGI_FILE_UNBOUNDED,
+    SAGI_FILE_GROUPS,
     SAGI_FILE_NODES,
     SAGI_FILE_LEAVES,
 } sagi_file_tag;
@@ -56,14 +58,15 @@ typedef struct sagi_file_section {
 _Static_assert(sizeof(sagi_file_section) == 64, "no padding");
 
 typedef struct sagi_file_scene {
-    uint32_t geometry_count, unbounded_count, node_count, unit_count, leaf_count, depth, quality;
-    float sah;
+    uint32_t geometry_count, group_count, unbounded_count, node_count, unit_count, leaf_count, depth, quality;
+    float sah, box_lo[3], box_hi[3]; // of the tree
+    uint32_t repeats;
+    uint64_t zero;
     double origin[3], scale;
-    float box_lo[3], box_hi[3]; // of the tree
     uint64_t primitive_count, dropped_not_finite, dropped_degenerate;
     double bounds_min[3], bounds_max[3];
 } sagi_file_scene;
-_Static_assert(sizeof(sagi_file_scene) == 160, "no padding");
+_Static_assert(sizeof(sagi_file_scene) == 176, "no padding");
 
 #define SAGI_FILE_NUMBERS 16 // doubles: the most that a shape has
 
@@ -73,14 +76,25 @@ typedef struct sagi_file_geometry {
     uint32_t mask;
     uint64_t user_data;
     uint32_t child;     // an instance's scene
-    uint32_t flag;      // the shape's bool: closed, one_sided
-    uint32_t counts[2]; // lengths of its arrays
-    uint32_t wide;      // positions in double
-    uint32_t arrays;    // bit i: part i is there
+    uint32_t counts[2]; // lengths of the shape's arrays
+    uint8_t arrays;     // bit i: part i is there
+    uint8_t wide;       // positions in double
+    uint8_t flag;       // the shape's bool: closed, one_sided
+    uint8_t update;
     double to_scene[12];
     double number[SAGI_FILE_NUMBERS];
 } sagi_file_geometry;
-_Static_assert(sizeof(sagi_file_geometry) == 264, "no padding");
+_Static_assert(sizeof(sagi_file_geometry) == 256, "no padding");
+
+// What sagi_group has of its tree and primitives.
+typedef struct sagi_file_group {
+    uint32_t node_first, node_count, unit_first, unit_count, leaf_count, depth;
+    uint16_t is_refitted, repeats;
+    float sah, box_lo[3], box_hi[3];
+    uint64_t good, not_finite, degenerate, unbounded, unbounded_first;
+    double bounds_min[3], bounds_max[3];
+} sagi_file_group;
+_Static_assert(sizeof(sagi_file_group) == 144, "no padding");
 
 // Any shape's struct.
 typedef union sagi_any_shape {
@@ -101,6 +115,15 @@ bool sagi_shape_decode(const sagi_file_geometry *g, sagi_any_shape *shape);
 // sag_scene_read with the length the whole has to have; UINT64_MAX: not known.
 sag_status sagi_scene_read(sag_context *context, sag_read_callback read, void *user, uint64_t bytes,
                            sag_scene **scene, sag_error *error);
+
+// Bounds and boxes to numbers and back.
+static inline void sagi_file_put_box(const sag_box3 *b, double min[3], double max[3]) {
+    min[0] = b->min.x, min[1] = b->min.y, min[2] = b->min.z;
+    max[0] = b->max.x, max[1] = b->max.y, max[2] = b->max.z;
+}
+static inline sag_box3 sagi_file_get_box(const double min[3], const double max[3]) {
+    return (sag_box3){{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
+}
 
 // Whether a query of the tree stays within what is there, whatever the numbers in it say (check.c); else a
 // name of what is wrong. Items and entries are valid.

@@ -12,7 +12,7 @@
 #include "scene/structure.h"
 #include <string.h>
 
-#define FEW          256u   // primitives: no tree of their own
+#define FEW          256u   // primitives: no tree of their own. SAGI_FILE_VERSION goes up with a change
 #define LEAST_EXTENT 0x1p-8 // of what units are kept for: below it, boxes would lose too many of their bits
 
 static sagi_group_class class_of(const sagi_snapshot *s, uint32_t id) {

@@ -6,6 +6,7 @@
 // asks for.
 #include "base/checksum.h"
 #include "scene/file.h"
+#include "scene/structure.h"
 #include "shapes/shape.h"
 #include <string.h>
 
@@ -120,10 +121,11 @@ static sag_status get_geometry(reader *r, uint32_t scene, uint32_t id, const sag
     sagi_place place;
     *out = (sagi_geometry){.kind = (sag_shape_kind)g->kind, .removed = !g->present};
     if (!g->present) return all_zero(g, sizeof *g) ? SAG_OK : wrong(r, "an absent geometry with numbers");
-    if (g->present > 1 || g->placed > 1 || g->face_forward > 1 || g->mask == 0)
+    if (g->present > 1 || g->placed > 1 || g->face_forward > 1 || g->update > SAG_UPDATE_REFIT ||
+        g->mask == 0)
         return wrong(r, "a geometry with impossible flags");
     out->face_forward = g->face_forward, out->placed = g->placed;
-    out->mask = g->mask, out->user_data = g->user_data;
+    out->update = (sag_update)g->update, out->mask = g->mask, out->user_data = g->user_data;
     memcpy(out->to_scene.m, g->to_scene, sizeof g->to_scene);
     if (out->placed && !sagi_place_make(&out->to_scene, &place)) return wrong(r, "a singular transform");
     if (g->kind != SAG_SHAPE_INSTANCE) return get_shape(r, scene, id, g, &out->store);
@@ -152,6 +154,52 @@ static sag_status get_geometries(reader *r, const sagi_file_scene *d, sag_scene 
     return status;
 }
 
+static void take_description(const sagi_file_scene *d, sagi_snapshot *s) {
+    sagi_bvh *t = &s->world.tree;
+    s->quality = (sag_quality)d->quality;
+    s->world.origin = sag_vec3_make(d->origin[0], d->origin[1], d->origin[2]);
+    s->world.scale = d->scale;
+    t->leaf_count = d->leaf_count, t->depth = d->depth, t->sah = d->sah, t->repeats = d->repeats != 0;
+    memcpy(t->box.lo, d->box_lo, sizeof d->box_lo), memcpy(t->box.hi, d->box_hi, sizeof d->box_hi);
+    s->stats.primitive_count = d->primitive_count;
+    s->stats.dropped_not_finite = d->dropped_not_finite;
+    s->stats.dropped_degenerate = d->dropped_degenerate;
+    s->stats.bounds = sagi_file_get_box(d->bounds_min, d->bounds_max);
+}
+
+static void take_group(const sagi_file_group *d, sagi_group *g) {
+    g->node_first = d->node_first, g->unit_first = d->unit_first;
+    g->tree.node_count = g->tree.node_capacity = d->node_count, g->tree.unit_count = d->unit_count;
+    g->tree.leaf_count = d->leaf_count, g->tree.depth = d->depth, g->tree.sah = d->sah;
+    memcpy(g->tree.box.lo, d->box_lo, sizeof d->box_lo), memcpy(g->tree.box.hi, d->box_hi, sizeof d->box_hi);
+    g->is_refitted = d->is_refitted != 0, g->tree.repeats = d->repeats != 0;
+    g->found = (sagi_survey){.bounds = sagi_file_get_box(d->bounds_min, d->bounds_max),
+                             .good = d->good,
+                             .not_finite = d->not_finite,
+                             .degenerate = d->degenerate,
+                             .unbounded = d->unbounded};
+    g->unbounded_first = d->unbounded_first;
+}
+
+// The groups follow from the geometries: as a commit forms them, or all in one.
+static sag_status get_groups(reader *r, const sagi_file_scene *d, sagi_snapshot *s) {
+    for (int single = 0; single <= 1; single++) {
+        if (sagi_groups_form(s, single != 0) != SAG_OK) return no_memory(r);
+        if (s->group_count == d->group_count) break;
+        sagi_groups_release(s);
+    }
+    if (s->group_count != d->group_count) return wrong(r, "groups that do not fit the geometries");
+    size_t bytes = s->group_count * sizeof(sagi_file_group);
+    sagi_file_group *table = sag_allocate(r->context, bytes);
+    if (table == NULL && bytes > 0) return no_memory(r);
+    sag_status status =
+        get_section(r, (sagi_file_section){.tag = SAGI_FILE_GROUPS, .scene = r->count, .bytes = bytes},
+                    "the groups", table);
+    for (uint32_t i = 0; i < s->group_count && status == SAG_OK; i++) take_group(&table[i], &s->groups[i]);
+    sag_release(r->context, table, bytes);
+    return status;
+}
+
 // The three arrays of the tree, straight to where they stay.
 static sag_status get_tree(reader *r, const sagi_file_scene *d, sagi_snapshot *s) {
     sagi_bvh *t = &s->world.tree;
@@ -171,26 +219,12 @@ static sag_status get_tree(reader *r, const sagi_file_scene *d, sagi_snapshot *s
         return no_memory(r);
     sagi_file_section head = {.tag = SAGI_FILE_UNBOUNDED, .scene = r->count, .bytes = unbounded};
     sag_status status = get_section(r, head, "the unbounded primitives", s->unbounded);
+    if (status == SAG_OK) status = get_groups(r, d, s);
     head.tag = SAGI_FILE_NODES, head.bytes = nodes;
     if (status == SAG_OK) status = get_section(r, head, "the tree's nodes", t->nodes);
     head.tag = SAGI_FILE_LEAVES, head.bytes = leaves;
     if (status == SAG_OK) status = get_section(r, head, "the tree's leaves", t->leaves);
     return status;
-}
-
-static void take_description(const sagi_file_scene *d, sagi_snapshot *s) {
-    sagi_bvh *t = &s->world.tree;
-    s->quality = (sag_quality)d->quality;
-    s->world.origin = sag_vec3_make(d->origin[0], d->origin[1], d->origin[2]);
-    s->world.scale = d->scale;
-    t->leaf_count = d->leaf_count, t->depth = d->depth, t->sah = d->sah;
-    t->repeats = s->quality == SAG_QUALITY_HIGH; // if it has any
-    memcpy(t->box.lo, d->box_lo, sizeof d->box_lo), memcpy(t->box.hi, d->box_hi, sizeof d->box_hi);
-    s->stats.primitive_count = d->primitive_count;
-    s->stats.dropped_not_finite = d->dropped_not_finite;
-    s->stats.dropped_degenerate = d->dropped_degenerate;
-    s->stats.bounds.min = sag_vec3_make(d->bounds_min[0], d->bounds_min[1], d->bounds_min[2]);
-    s->stats.bounds.max = sag_vec3_make(d->bounds_max[0], d->bounds_max[1], d->bounds_max[2]);
 }
 
 // Everything of one scene; its snapshot becomes current.
@@ -199,7 +233,7 @@ static sag_status get_scene(reader *r, sag_scene *scene) {
     sag_status status = get_section(
         r, (sagi_file_section){.tag = SAGI_FILE_SCENE, .scene = r->count, .bytes = sizeof d}, "a scene", &d);
     if (status != SAG_OK) return status;
-    if (sag_scene_set_quality(scene, (sag_quality)d.quality) != SAG_OK)
+    if (d.zero != 0 || sag_scene_set_quality(scene, (sag_quality)d.quality) != SAG_OK)
         return wrong(r, "a quality that is none");
     status = get_geometries(r, &d, scene);
     if (status != SAG_OK) return status;
@@ -214,7 +248,7 @@ static sag_status get_scene(reader *r, sag_scene *scene) {
     const char *flaw = sagi_snapshot_check(s);
     if (flaw != NULL) return wrong(r, flaw);
     sagi_snapshot_measure(s);
-    return SAG_OK;
+    return sagi_snapshot_count_shared(s) ? SAG_OK : no_memory(r);
 }
 
 static sag_status get_file_head(reader *r, uint64_t limit) {
@@ -235,8 +269,8 @@ static sag_status get_file_head(reader *r, uint64_t limit) {
     if (limit != UINT64_MAX && head.bytes != limit)
         return sag_error_set(r->error, SAG_ERROR_FORMAT, "%llu bytes long instead of %llu",
                              (unsigned long long)limit, (unsigned long long)head.bytes);
-    // Five sections are the least that a scene has.
-    if (head.scene_count == 0 || head.bytes / (5 * sizeof(sagi_file_section)) < head.scene_count)
+    // Six sections are the least that a scene has.
+    if (head.scene_count == 0 || head.bytes / (6 * sizeof(sagi_file_section)) < head.scene_count)
         return wrong(r, "an impossible number of scenes");
     r->offset = sizeof head, r->bytes = head.bytes, r->capacity = head.scene_count;
     return SAG_OK;

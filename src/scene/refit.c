@@ -7,6 +7,7 @@
 // the tree now costs is reckoned on the way, as the builder does it (bvh/forest.c).
 #include "kernel/block.h"
 #include "scene/structure.h"
+#include <string.h>
 
 #define NODES_AT_A_TIME 64u
 
@@ -44,12 +45,16 @@ static bool refit_leaf(const refitter *r, uint32_t child, sagi_float_box *all) {
     uint32_t count = block->count;
     *all = sagi_float_box_empty();
     for (uint32_t i = 0; i < count; i++) {
-        sagi_bvh_reference at = sagi_block_reference(block, i);
-        if (at.primitive >= r->primitive_count || !measure(r, at, &primitives[i])) return false;
+        sagi_bvh_reference reference = sagi_block_reference(block, i);
+        if (reference.primitive >= r->primitive_count || !measure(r, reference, &primitives[i])) return false;
         sagi_float_box_extend(all, primitives[i].lo, primitives[i].hi);
     }
-    sagi_leaf_write(s, primitives, count,
-                    s->world.tree.leaves + (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT);
+    size_t bytes = sagi_leaf_units(s, primitives[0].geometry, count) * SAGI_BVH_UNIT;
+    size_t there = sagi_block_bytes((sagi_block_kind)block->kind, count);
+    if (bytes != (there + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT * SAGI_BVH_UNIT) return false;
+    unsigned char *at = s->world.tree.leaves + (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT;
+    memset(at, 0, bytes);
+    sagi_leaf_write(s, primitives, count, at);
     return true;
 }
 

@@ -83,8 +83,8 @@ struct sagi_snapshot {
     uint32_t count;
     sagi_bvh_reference *unbounded; // world.unbounded
     uint32_t unbounded_capacity;
-    sagi_group *groups; // none in a snapshot that was loaded
-    uint32_t *members;  // ids by group
+    sagi_group *groups;
+    uint32_t *members; // ids by group
     uint32_t group_count, member_count;
     sag_scene_stats stats;
     double radius;       // the largest coordinate of stats.bounds
@@ -103,8 +103,25 @@ sag_status sagi_snapshot_build(sagi_snapshot *snapshot, const sagi_snapshot *bef
 // Whether a geometry is where and what it was, as far as boxes go (commit.c).
 bool sagi_geometry_is_as_before(const sagi_snapshot *snapshot, const sagi_snapshot *before, uint32_t id);
 
+// All snapshots reached from one through instances, each once, children before parents (listing.c).
+typedef struct sagi_listing {
+    const sag_context *context;
+    const sagi_snapshot **snapshots;
+    uint32_t *slots;
+    uint32_t count, capacity; // of snapshots; slots are twice as many
+} sagi_listing;
+// Adds a snapshot and what it shows; false when memory is short. Zero-initialised but for its context.
+bool sagi_listing_add(sagi_listing *listing, const sagi_snapshot *snapshot);
+uint32_t sagi_listing_find(const sagi_listing *listing, const sagi_snapshot *snapshot); // one that is there
+void sagi_listing_release(sagi_listing *listing);
+
 // What follows from entries, units, bounds and tree: the spread, the statistics (structure.c).
 void sagi_snapshot_measure(sagi_snapshot *snapshot);
+
+// Bytes that a snapshot holds, its geometries' data not counted; and those of what it shows (snapshot.c).
+size_t sagi_snapshot_table_bytes(const sagi_snapshot *snapshot);
+// Fills in the statistic; false when memory is short.
+bool sagi_snapshot_count_shared(sagi_snapshot *snapshot);
 
 // The makers of leaves (leaves.c); `snapshot` has its units and items.
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry);

@@ -53,11 +53,11 @@ void sagi_shape_encode(sag_shape_kind kind, const void *shape, sagi_file_geometr
         const sag_mesh *m = shape;
         g->counts[0] = m->vertex_count, g->counts[1] = m->triangle_count;
         g->flag = m->one_sided, g->wide = m->positions_f64 != NULL;
-        g->arrays = 1u | (m->normals_f32 != NULL) << 1 | (m->texcoords_f32 != NULL) << 2 | 1u << 3;
+        g->arrays = (uint8_t)(9 | (m->normals_f32 != NULL) << 1 | (m->texcoords_f32 != NULL) << 2);
     } else if (kind == SAG_SHAPE_SPHERES) {
         const sag_spheres *s = shape;
         g->counts[0] = s->count, g->number[0] = s->radius, g->wide = s->centers_f64 != NULL;
-        g->arrays = 1u | (s->radii_f32 != NULL) << 1;
+        g->arrays = (uint8_t)(1 | (s->radii_f32 != NULL) << 1);
     } else if (kind == SAG_SHAPE_POLYGON) {
         const sag_polygon *p = shape;
         g->counts[0] = p->position_count, g->counts[1] = p->loop_count, g->arrays = 3;

@@ -49,6 +49,23 @@ void sagi_snapshot_release(sagi_snapshot *s) {
     sag_release(s->context, s, sizeof *s);
 }
 
+size_t sagi_snapshot_table_bytes(const sagi_snapshot *s) {
+    return sizeof *s + s->count * (sizeof *s->items + sizeof *s->entries) +
+           s->group_count * sizeof *s->groups + s->member_count * sizeof *s->members;
+}
+
+bool sagi_snapshot_count_shared(sagi_snapshot *s) {
+    sagi_listing l = {.context = s->context};
+    s->stats.shared_bytes = 0;
+    if (s->world.instance_levels == 0) return true;
+    bool done = sagi_listing_add(&l, s);
+    for (uint32_t i = 0; done && i + 1 < l.count; i++) // s itself comes last
+        s->stats.shared_bytes += sagi_snapshot_table_bytes(l.snapshots[i]) +
+                                 l.snapshots[i]->stats.geometry_bytes + l.snapshots[i]->stats.structure_bytes;
+    sagi_listing_release(&l);
+    return done;
+}
+
 sagi_cell *sagi_cell_retain(sagi_cell *cell) {
     if (cell != NULL) atomic_fetch_add(&cell->references, 1);
     return cell;

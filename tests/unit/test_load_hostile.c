@@ -5,6 +5,7 @@
 #include "kernel/block.h"
 #include "scene/file.h"
 #include "support/context.h"
+#include "support/meshes.h"
 #include "support/random_scene.h"
 #include "support/saved.h"
 #include <setjmp.h>
@@ -56,6 +57,10 @@ static bool try_it(rng *r, saved *file) {
         return false;
     }
     ask_everything(r, scene);
+    for (uint32_t id = 0; id < 3; id++) {
+        sag_affine map = sag_affine_translate(sag_vec3_make(0.01, 0, 0));
+        sag_geometry_set_transform(scene, id, rng_one_in(r, 2) ? &map : NULL);
+    }
     sag_add_sphere(scene, &(sag_sphere){.radius = 0.1});
     if (sag_scene_commit(scene, &error) == SAG_OK) ask_everything(r, scene);
     sag_scene_destroy(scene);
@@ -193,7 +198,8 @@ static void tree_too_deep(void **state) {
         // The file again, with the chain for its nodes.
         size_t bytes = levels * sizeof *chain, rest = nodes.at + (nodes.bytes + 63) / 64 * 64;
         saved made = {.bytes = calloc(1, file.count + bytes + 64)};
-        d->node_count = d->depth = levels, d->leaf_count = 1;
+        sagi_file_group *g = (void *)(file.bytes + find(&file, SAGI_FILE_GROUPS, 0).at);
+        d->node_count = d->depth = g->node_count = g->depth = levels, d->leaf_count = g->leaf_count = 1;
         memcpy(made.bytes, file.bytes, nodes.at);
         ((sagi_file_section *)(void *)(made.bytes + nodes.at) - 1)->bytes = bytes;
         memcpy(made.bytes + nodes.at, chain, bytes);
@@ -257,6 +263,44 @@ static void shape_that_is_not_valid(void **state) {
     saved_free(&file);
 }
 
+// What a group says of itself must be so: the next commit goes by it.
+static void groups_that_lie(void **state) {
+    (void)state;
+    rng r = rng_make(17);
+    test_mesh meshes[3];
+    sag_scene *scene = sag_scene_create(context);
+    for (int i = 0; i < 3; i++) {
+        meshes[i] = test_mesh_sphere(2);
+        test_mesh_move(&meshes[i], 1, rng_vec3(&r, 2), 0.01, &r);
+        sag_geometry_set_update(scene, sag_add_mesh(scene, &meshes[i].mesh), SAG_UPDATE_REFIT);
+        test_mesh_free(&meshes[i]);
+    }
+    random_scene_add(&r, scene, SAG_SHAPE_SPHERE, 1);
+    sag_add_plane(scene, &(sag_plane){.normal = {0, 0, 1}});
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    saved file = saved_from(scene, NULL, NULL), copy = file;
+    sag_scene_destroy(scene);
+    copy.bytes = malloc(file.count);
+    place groups = find(&file, SAGI_FILE_GROUPS, 0);
+    uint32_t count = (uint32_t)(groups.bytes / sizeof(sagi_file_group)), refused = 0;
+    assert_int_equal(count, 4);
+    for (size_t i = 0; i < soak(400); i++) {
+        memcpy(copy.bytes, file.bytes, file.count);
+        sagi_file_group *g = (void *)(copy.bytes + groups.at);
+        uint32_t *word = (uint32_t *)&g[rng_below(&r, count)] + rng_below(&r, 6);
+        *word = rng_one_in(&r, 2) ? evil_word(&r, *word)
+                                  : ((uint32_t *)&g[rng_below(&r, count)])[rng_below(&r, 6)];
+        if (rng_one_in(&r, 4)) {
+            sagi_file_group first = g[0];
+            uint32_t other = rng_below(&r, count);
+            g[0] = g[other], g[other] = first;
+        }
+        refused += !try_it(&r, &copy);
+    }
+    assert_true(refused > 100);
+    saved_free(&copy), saved_free(&file);
+}
+
 // An instance may only show what came before it.
 static void instances_in_circles(void **state) {
     (void)state;
@@ -277,6 +321,7 @@ int main(void) {
         cmocka_unit_test(triangle_that_is_not_there),
         cmocka_unit_test(index_out_of_range),
         cmocka_unit_test(shape_that_is_not_valid),
+        cmocka_unit_test(groups_that_lie),
         cmocka_unit_test(instances_in_circles),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
