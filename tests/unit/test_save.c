@@ -58,6 +58,8 @@ static void check_round_trip(uint64_t seed, uint32_t count, int levels, double s
     rng r = rng_make(seed);
     sag_error error;
     sag_scene *scene = random_nested_scene(&r, context, count, levels, size), *loaded = NULL;
+    assert_int_equal(sag_scene_set_quality(scene, (sag_quality)(seed % 3)), SAG_OK);
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
     saved file = saved_from(scene, NULL, NULL);
     assert_true(file.count > 0);
     if (saved_read(context, file.bytes, file.count, &loaded, &error) != SAG_OK) fail_msg("%s", error.message);

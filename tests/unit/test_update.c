@@ -130,8 +130,9 @@ static void change(rng *r, model *all, sag_scene *scene) {
     uint32_t id = rng_below(r, all->count);
     member *m = &all->members[id];
     if (m->removed) return;
-    switch (rng_below(r, 12)) {
+    switch (rng_below(r, 13)) {
     case 0: add_member(r, all, scene); break;
+    case 11: assert_int_equal(sag_scene_set_quality(scene, (sag_quality)rng_below(r, 3)), SAG_OK); break;
     case 1:
     case 2:
     case 3:
