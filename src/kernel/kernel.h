@@ -15,6 +15,10 @@ typedef struct sagi_kernel {
     bool (*occluded)(const sagi_world *world, const sag_ray *ray);
     size_t (*crossings)(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
                         size_t capacity);
+    // The first two for many rays on the calling thread: the same bits. A hit that is none has t = INFINITY
+    // and geometry = SAG_INVALID_ID.
+    void (*intersect_batch)(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count);
+    void (*occluded_batch)(const sagi_world *world, const sag_ray *rays, bool *occluded, size_t count);
 } sagi_kernel;
 
 extern const sagi_kernel sagi_kernel_portable, sagi_kernel_avx2, sagi_kernel_avx512;

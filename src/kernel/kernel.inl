@@ -236,4 +236,6 @@ static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_s
     return s.collector.count;
 }
 
-const sagi_kernel SAGI_KERNEL_NAME = {intersect, occluded, crossings};
+#include "kernel/batch.inl"
+
+const sagi_kernel SAGI_KERNEL_NAME = {intersect, occluded, crossings, intersect_batch, occluded_batch};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What rays ask of a committed scene: thin doors to the kernel chosen for this machine.
 #include "scene/scene.h"
+#include <string.h>
 
 bool sag_intersect(const sag_scene *scene, const sag_ray *ray, sag_hit *hit) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
@@ -35,38 +36,60 @@ bool sag_contains(const sag_scene *scene, sag_vec3 point) {
 }
 
 // Rays a thread takes at a time: enough to hide the hand-over, few enough to share evenly.
-#define RAYS_AT_A_TIME 256u
+#define RAYS_AT_A_TIME ((size_t)1024)
 
 typedef struct batch {
     const sag_scene *scene;
+    const sagi_snapshot *snapshot;
     const sag_ray *rays;
     sag_hit *hits;
     bool *occluded;
     size_t count;
 } batch;
 
+static size_t part_of(const batch *b, size_t begin) {
+    return b->count - begin < RAYS_AT_A_TIME ? b->count - begin : RAYS_AT_A_TIME;
+}
+
 static void intersect_some(void *argument, size_t index) {
     const batch *b = argument;
-    size_t begin = index * RAYS_AT_A_TIME, end = begin + RAYS_AT_A_TIME;
-    for (size_t i = begin; i < end && i < b->count; i++)
-        if (!sag_intersect(b->scene, &b->rays[i], &b->hits[i]))
-            b->hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+    size_t begin = index * RAYS_AT_A_TIME;
+    b->scene->kernel->intersect_batch(&b->snapshot->world, b->rays + begin, b->hits + begin,
+                                      part_of(b, begin));
 }
 
 static void occlude_some(void *argument, size_t index) {
     const batch *b = argument;
-    size_t begin = index * RAYS_AT_A_TIME, end = begin + RAYS_AT_A_TIME;
-    for (size_t i = begin; i < end && i < b->count; i++) b->occluded[i] = sag_occluded(b->scene, &b->rays[i]);
+    size_t begin = index * RAYS_AT_A_TIME;
+    b->scene->kernel->occluded_batch(&b->snapshot->world, b->rays + begin, b->occluded + begin,
+                                     part_of(b, begin));
+}
+
+// As many pieces as it takes; what fits in one needs no other thread.
+static void trace(batch *b, void (*some)(void *argument, size_t index)) {
+    if (b->count <= RAYS_AT_A_TIME) {
+        if (b->count > 0) some(b, 0);
+        return;
+    }
+    sag_parallel_for(b->scene->context, (b->count - 1) / RAYS_AT_A_TIME + 1, some, b);
 }
 
 void sag_intersect_batch(const sag_scene *scene, const sag_ray *rays, sag_hit *hits, size_t count) {
-    batch b = {.scene = scene, .rays = rays, .hits = hits, .count = count};
-    sag_parallel_for(scene->context, count / RAYS_AT_A_TIME + (count % RAYS_AT_A_TIME != 0), intersect_some,
-                     &b);
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    if (s == NULL) {
+        for (size_t i = 0; i < count; i++) hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+        return;
+    }
+    batch b = {.scene = scene, .snapshot = s, .rays = rays, .hits = hits, .count = count};
+    trace(&b, intersect_some);
 }
 
 void sag_occluded_batch(const sag_scene *scene, const sag_ray *rays, bool *occluded, size_t count) {
-    batch b = {.scene = scene, .rays = rays, .occluded = occluded, .count = count};
-    sag_parallel_for(scene->context, count / RAYS_AT_A_TIME + (count % RAYS_AT_A_TIME != 0), occlude_some,
-                     &b);
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    if (s == NULL) {
+        memset(occluded, 0, count * sizeof *occluded);
+        return;
+    }
+    batch b = {.scene = scene, .snapshot = s, .rays = rays, .occluded = occluded, .count = count};
+    trace(&b, occlude_some);
 }
