@@ -62,6 +62,11 @@ static sag_status consider(builder *b) {
     return status;
 }
 
+// Takes the choices back (forest.h), for the collapse makes them itself.
+static void undecide(const written *w, uint32_t count) {
+    for (uint32_t i = 0; i < 2 * count - 1; i++) w->nodes[i].count &= 15;
+}
+
 static sag_status build(builder *b, const sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
     memcpy(b->tree.primitives, primitives, count * sizeof *primitives);
     b->tree.count = count;
@@ -73,9 +78,10 @@ static sag_status build(builder *b, const sagi_bvh_primitive *primitives, uint32
         status = sagi_reinsert(b->context, &b->tree, b->capacity, least);
         if (status == SAG_OK) status = consider(b);
     }
-    if (status == SAG_OK)
-        status = sagi_bvh_collapse(b->context, &b->options->leaves, b->best.nodes, 2 * b->tree.count,
-                                   b->best.primitives, tree);
+    if (status != SAG_OK) return status;
+    undecide(&b->best, b->tree.count);
+    status = sagi_bvh_collapse(b->context, &b->options->leaves, b->best.nodes, 2 * b->tree.count,
+                               b->best.primitives, tree);
     if (status == SAG_OK) tree->repeats = b->tree.count > count;
     return status;
 }

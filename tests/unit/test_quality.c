@@ -275,6 +275,25 @@ static void deep(void **state) {
     compare_loose(1000, 20, progression);
 }
 
+// What each quality is for, by the builder's own reckoning.
+static void costs(void **state) {
+    (void)state;
+    test_mesh sphere = test_mesh_sphere(5), split = needles(3000);
+    const sag_mesh *models[2] = {&sphere.mesh, &split.mesh};
+    for (int m = 0; m < 2; m++) {
+        sag_scene_stats stats[QUALITIES];
+        for (int q = 0; q < QUALITIES; q++) {
+            sag_scene *scene = commit(context, qualities[q], models[m]);
+            sag_scene_get_stats(scene, &stats[q]);
+            sag_scene_destroy(scene);
+            assert_true(stats[q].leaf_count < models[m]->triangle_count / 3);
+        }
+        assert_true(stats[1].sah < 1.25 * stats[0].sah);
+        assert_true(stats[2].sah < (m == 0 ? 1.0 : 0.6) * stats[0].sah);
+    }
+    test_mesh_free(&sphere), test_mesh_free(&split);
+}
+
 static void same_tree_for_any_threads(void **state) {
     (void)state;
     test_mesh mesh = test_mesh_sphere(6);
@@ -331,6 +350,7 @@ int main(void) {
         cmocka_unit_test(identical),
         cmocka_unit_test(degenerate),
         cmocka_unit_test(deep),
+        cmocka_unit_test(costs),
         cmocka_unit_test(same_tree_for_any_threads),
         cmocka_unit_test(out_of_memory),
         cmocka_unit_test(unknown_quality),
