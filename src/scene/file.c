@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Scenes in files of the file system. A file is written under a temporary name beside its place and renamed
 // over it when everything is on disk: a crash or a full disk leaves the old file as it was.
+#define _XOPEN_SOURCE 700 // realpath
 #include "scene/file.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -40,18 +43,39 @@ static bool write_file(void *user, const void *data, size_t bytes) {
     return fwrite(data, 1, bytes, (FILE *)user) == bytes;
 }
 
+// Where a file is to appear and where it is written meanwhile.
+typedef struct target {
+    char path[PATH_MAX], name[PATH_MAX];
+    FILE *file;
+    bool beside; // to be renamed; else `path` is a pipe or device, and written itself
+} target;
+
+// Behind a symbolic link it is the file that is replaced, not the link. Returns 0 or the system's reason.
+static int open_target(target *t, const char *path) {
+    struct stat about;
+    bool exists = stat(path, &about) == 0;
+    if (exists && S_ISDIR(about.st_mode)) return EISDIR;
+    t->beside = !exists || S_ISREG(about.st_mode);
+    if (strlen(path) >= sizeof t->path) return ENAMETOOLONG;
+    if (!exists || !t->beside || realpath(path, t->path) == NULL) strcpy(t->path, path);
+    t->file = t->beside ? open_beside(t->path, t->name, sizeof t->name) : fopen(path, "wb");
+    return t->file != NULL ? 0 : errno;
+}
+
 sag_status sag_scene_save(const sag_scene *scene, const char *path, sag_error *error) {
-    char name[4096];
-    FILE *file = open_beside(path, name, sizeof name);
-    if (file == NULL) return fail(error, path, "cannot write", errno);
-    sag_status status = sag_scene_write(scene, write_file, file, error);
-    int reason = status == SAG_ERROR_IO ? errno : 0;
-    if (status == SAG_OK && (fflush(file) != 0 || fsync(fileno(file)) != 0)) reason = errno;
-    if (fclose(file) != 0 && reason == 0) reason = errno;
-    if (status == SAG_OK && reason == 0 && rename(name, path) != 0) reason = errno;
-    if (reason != 0) status = fail(error, path, "cannot write", reason);
-    if (status == SAG_OK) return SAG_OK;
-    unlink(name);
+    target t;
+    if (path == NULL) return sag_error_set(error, SAG_ERROR_ARGUMENT, "no path to save to");
+    int reason = open_target(&t, path);
+    if (reason != 0) return fail(error, path, "cannot write", reason);
+    sag_status status = sag_scene_write(scene, write_file, t.file, error);
+    if (status == SAG_ERROR_IO) reason = errno;
+    if (status == SAG_OK && fflush(t.file) != 0) reason = errno;
+    if (status == SAG_OK && reason == 0 && t.beside && fsync(fileno(t.file)) != 0) reason = errno;
+    if (fclose(t.file) != 0 && reason == 0) reason = errno;
+    if (status == SAG_OK && reason == 0 && t.beside && rename(t.name, t.path) != 0) reason = errno;
+    if (status == SAG_OK && reason == 0) return SAG_OK;
+    if (t.beside) unlink(t.name);
+    if (reason != 0) return fail(error, path, "cannot write", reason);
     if (error != NULL) snprintf(error->file, sizeof error->file, "%s", path);
     return status;
 }
@@ -61,7 +85,8 @@ static bool read_file(void *user, void *data, size_t bytes) {
 }
 
 sag_status sag_scene_load(sag_context *context, const char *path, sag_scene **scene, sag_error *error) {
-    FILE *file = fopen(path, "rb");
+    FILE *file = path != NULL ? fopen(path, "rb") : NULL;
+    if (path == NULL) return sag_error_set(error, SAG_ERROR_ARGUMENT, "no path to load from");
     if (file == NULL) return fail(error, path, "cannot read", errno);
     struct stat about;
     uint64_t bytes = UINT64_MAX; // of a pipe, say

@@ -221,6 +221,26 @@ static void files_appear_whole_or_not(void **state) {
     rmdir(path);
     assert_int_equal(sag_scene_load(context, "/dev/null", &loaded, &error), SAG_ERROR_FORMAT);
     assert_null(loaded);
+    // A link stays a link, a device a device.
+    char link[128];
+    snprintf(link, sizeof link, "%s", in_folder("link.sag"));
+    assert_int_equal(sag_scene_save(scene, path, &error), SAG_OK);
+    assert_int_equal(symlink(path, link), 0);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(sag_scene_save(scene, path, &error), SAG_OK);
+    assert_int_equal(sag_scene_save(scene, link, &error), SAG_OK);
+    assert_true(lstat(link, &about) == 0 && S_ISLNK(about.st_mode));
+    assert_int_equal(sag_scene_load(context, link, &loaded, &error), SAG_OK);
+    sag_scene_destroy(loaded);
+    unlink(link), unlink(path);
+    assert_int_equal(sag_scene_save(scene, "/dev/null", &error), SAG_OK);
+    assert_true(stat("/dev/null", &about) == 0 && S_ISCHR(about.st_mode));
+    if (access("/dev/full", W_OK) == 0) {
+        assert_int_equal(sag_scene_save(scene, "/dev/full", &error), SAG_ERROR_IO);
+        assert_string_equal(error.file, "/dev/full");
+    }
+    assert_int_equal(sag_scene_save(scene, NULL, &error), SAG_ERROR_ARGUMENT);
+    assert_int_equal(sag_scene_load(context, NULL, &loaded, &error), SAG_ERROR_ARGUMENT);
     sag_scene_destroy(scene);
 }
 
