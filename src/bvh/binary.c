@@ -39,8 +39,8 @@ static bool fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *p, uint
     return !(maker->cost(maker->user, p[0].geometry).each > 0);
 }
 
-void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
-                             sagi_binary_node *nodes, sagi_range range) {
+bool sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
+                             sagi_binary_node *nodes, sagi_range range, uint32_t end) {
     sagi_range stack[SAGI_BVH_MAX_DEPTH + 1]; // right halves not yet done: one a level at most
     int waiting = 0;
     uint32_t next = range.node + 1; // nodes stand closely, so that they fill few cache lines
@@ -56,12 +56,13 @@ void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *p
         }
         if (split.verdict == SAGI_MAKE_LEAF) {
             *node = (sagi_binary_node){range.box, range.first, range.count};
-            if (waiting == 0) return;
+            if (waiting == 0) return true;
             range = stack[--waiting];
             nodes[range.node].link = next; // so far that was its parent's number
             range.node = next++;
             continue;
         }
+        if (end - next < 1 + (uint32_t)waiting + 1) return false; // for the halves and those that wait
         uint32_t m = split.verdict == SAGI_HALVE ? range.count / 2 : split.left_count;
         sagi_range left = {.node = next++, .first = range.first, .count = m, .depth = range.depth + 1};
         sagi_range right = {

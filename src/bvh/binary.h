@@ -8,10 +8,8 @@
 #include <stddef.h>
 
 // Node s over the primitives [first, first + n). Its left child is node s + 1, its right child node `link`.
-// A subtree over n primitives stands within the 2n − 1 numbers that begin with its root's, so that threads
-// number their subtrees without asking each other: with m primitives on the left, the right child is s + 2m,
-// or less. (Leaves of several primitives leave numbers unused.) No node is deeper than SAGI_BVH_MAX_DEPTH
-// levels below the root. Leaves may hold the same primitive with several boxes.
+// Numbers may be left unused. No node is deeper than SAGI_BVH_MAX_DEPTH levels below the root. Leaves may
+// hold the same primitive with several boxes.
 typedef struct sagi_binary_node {
     sagi_float_box box;
     uint32_t link;  // leaf: the first primitive; inner: the right child
@@ -109,9 +107,10 @@ static inline uint64_t sagi_depth_allows(uint32_t depth) {
 // Reorders primitives so that the half with the smaller centroids on the widest axis comes first.
 void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 
-// Nodes for the whole range below `range`, on the calling thread.
-void sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
-                             sagi_binary_node *nodes, sagi_range range);
+// Nodes for the whole range below `range`, on the calling thread, with numbers below `end`; false when these
+// do not suffice.
+bool sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
+                             sagi_binary_node *nodes, sagi_range range, uint32_t end);
 
 // The eight-wide tree of a binary one whose root is nodes[0] and whose numbers are below `end`. Changes the
 // inner nodes' counts. SAG_ERROR_MEMORY leaves *tree alone.

@@ -4,17 +4,20 @@
 // is large depends on the number of primitives alone, and partitions keep their order, so the tree is the
 // same for any number of threads.
 #include "bvh/binary.h"
+#include <stdatomic.h>
 #include <string.h>
 
 #define MOST_SMALL  65536u // no task has more primitives
 #define LEAST_LARGE 8192u  // and none with so few is split by all threads
 #define TASKS       64u    // there should be about so many where that allows it
 #define CHUNK       4096u  // primitives a thread takes at a time from a large range
+#define SPARE       32u    // nodes that a task has beyond one a primitive
 
 // A range of primitives in work.
 typedef struct part {
     sagi_range range;
-    bool aside; // they stand in scratch
+    bool aside;  // they stand in scratch
+    uint32_t of; // the top whose right child it is
 } part;
 
 // What one thread finds out about its chunk of a large range.
@@ -22,6 +25,7 @@ typedef struct chunk {
     sagi_bins bins;
     sagi_float_box box, left, right; // of the primitives; of the centroids that go left and right
     uint32_t left_first, right_first;
+    bool packs; // leaves of these cost the same however many they hold
 } chunk;
 
 // A node above the tasks. They are kept aside, as the nodes' memory is scratch meanwhile.
@@ -34,7 +38,7 @@ typedef struct builder {
     const sag_context *context;
     const sagi_leaf_maker *maker;
     sagi_bvh_primitive *primitives;
-    sagi_bvh_primitive *scratch; // as many; the memory of the nodes
+    sagi_bvh_primitive *scratch; // as many; the memory of the nodes, of the same size
     sagi_binary_node *nodes;
     chunk *chunks;
     uint32_t chunk_count; // of the part in work
@@ -43,6 +47,9 @@ typedef struct builder {
     part *tasks;
     top *tops;
     uint32_t task_count, top_count, task_capacity;
+    uint32_t node_count, node_capacity;
+    bool several; // a primitive may need two nodes
+    atomic_bool short_of_nodes;
     uint32_t large; // parts of more primitives are split by all threads
 } builder;
 
@@ -66,7 +73,10 @@ static void measure_chunk(void *argument, size_t index) {
     chunk *c = &b->chunks[index];
     sagi_extent centroids = sagi_extent_empty();
     c->box = sagi_float_box_empty();
+    c->packs = true;
     for (uint32_t i = 0; i < count; i++) {
+        if (i == 0 || p[i].geometry != p[i - 1].geometry)
+            c->packs &= !(b->maker->cost(b->maker->user, p[i].geometry).each > 0);
         sagi_float_box_extend(&c->box, p[i].lo, p[i].hi);
         sagi_extent_add(&centroids, &p[i]);
     }
@@ -140,7 +150,8 @@ static void partition_all(builder *b, part *left, part *right) {
     }
 }
 
-// Splits a large part. A large part is never a leaf.
+// Splits a large part. A large part is never a leaf. The left side's number is the next one; the right one's
+// is known when the left side has its own.
 static void split_large(builder *b, part whole, part *left, part *right) {
     b->part = whole;
     const sagi_range *range = &b->part.range;
@@ -149,13 +160,10 @@ static void split_large(builder *b, part whole, part *left, part *right) {
     b->split = sagi_bins_choose(&b->chunks[0].bins, range);
     bool halve = b->split.verdict == SAGI_HALVE;
     uint32_t m = halve ? range->count / 2 : b->split.left_count;
-    *left = *right = (part){.aside = whole.aside};
-    left->range =
-        (sagi_range){.node = range->node + 1, .first = range->first, .count = m, .depth = range->depth + 1};
-    right->range = (sagi_range){.node = range->node + 2 * m,
-                                .first = range->first + m,
-                                .count = range->count - m,
-                                .depth = range->depth + 1};
+    *left = *right = (part){.aside = whole.aside, .of = b->top_count};
+    left->range = (sagi_range){.first = range->first, .count = m, .depth = range->depth + 1};
+    right->range =
+        (sagi_range){.first = range->first + m, .count = range->count - m, .depth = range->depth + 1};
     if (halve) {
         sagi_range_halve(array_of(b, whole.aside), range);
         measure_all(b, left), measure_all(b, right);
@@ -163,8 +171,7 @@ static void split_large(builder *b, part whole, part *left, part *right) {
         left->range.box = b->split.left, right->range.box = b->split.right;
         partition_all(b, left, right);
     }
-    b->tops[b->top_count++] =
-        (top){whole.range.node, (sagi_binary_node){whole.range.box, right->range.node, 0}};
+    b->tops[b->top_count++] = (top){whole.range.node, (sagi_binary_node){whole.range.box, 0, 0}};
 }
 
 static void bring_back(void *argument, size_t index) {
@@ -174,49 +181,94 @@ static void bring_back(void *argument, size_t index) {
         memcpy(b->primitives + r->first, b->scratch + r->first, r->count * sizeof *b->scratch);
 }
 
+// A subtree of n primitives has at most 2n − 1 nodes, and where several primitives may be one leaf a third of
+// that is usual: numbers for little more than n, and the memory for them, do but in the strangest cases. Then
+// all is done again with numbers for 2n.
+static uint32_t numbers_for(const builder *b, uint32_t primitives) {
+    const uint32_t all = 2 * primitives - 1, few = primitives + SPARE;
+    return b->several || all < few ? all : few;
+}
+
 static void run_task(void *argument, size_t index) {
-    const builder *b = argument;
-    sagi_binary_build_range(b->maker, b->primitives, b->nodes, b->tasks[index].range);
+    builder *b = argument;
+    const sagi_range *r = &b->tasks[index].range;
+    if (!sagi_binary_build_range(b->maker, b->primitives, b->nodes, *r, r->node + numbers_for(b, r->count)))
+        atomic_store(&b->short_of_nodes, true);
 }
 
 static void build_binary(builder *b, part whole) {
     part stack[SAGI_BVH_MAX_DEPTH + 1];
     int waiting = 0;
     for (;;) {
+        whole.range.node = b->node_count;
         if (whole.range.count > b->large) {
             part left;
             split_large(b, whole, &left, &stack[waiting++]);
+            b->node_count++;
             whole = left;
             continue;
         }
+        b->node_count += numbers_for(b, whole.range.count);
         b->tasks[b->task_count++] = whole;
         if (waiting == 0) break;
         whole = stack[--waiting];
+        b->tops[whole.of].node.link = b->node_count;
     }
     sag_parallel_for(b->context, b->task_count, bring_back, b);
     for (uint32_t i = 0; i < b->top_count; i++) b->nodes[b->tops[i].number] = b->tops[i].node;
     sag_parallel_for(b->context, b->task_count, run_task, b);
 }
 
-// The builder's memory: beside what is per task and chunk, two binary nodes for each primitive, which serve
-// as room for a primitive first. Each level of the tree has fewer than count/large large parts.
+// The builder's memory but for the nodes. Each level of the tree has fewer than count/large large parts.
 static bool allocate(builder *b, uint32_t count) {
     uint32_t large = count / TASKS;
     b->large = large < LEAST_LARGE ? LEAST_LARGE : large > MOST_SMALL ? MOST_SMALL : large;
     b->task_capacity = (count / b->large) * SAGI_BVH_MAX_DEPTH + 1;
-    b->nodes = sag_allocate(b->context, (size_t)count * 2 * sizeof *b->nodes);
-    b->scratch = (sagi_bvh_primitive *)(void *)b->nodes;
     b->tasks = sag_allocate(b->context, b->task_capacity * sizeof *b->tasks);
     b->tops = sag_allocate(b->context, b->task_capacity * sizeof *b->tops);
     b->chunks = sag_allocate(b->context, chunks_of(count) * sizeof *b->chunks);
-    return b->nodes != NULL && b->tasks != NULL && b->tops != NULL && b->chunks != NULL;
+    return b->tasks != NULL && b->tops != NULL && b->chunks != NULL;
 }
 
 static void release(builder *b, uint32_t count) {
-    sag_release(b->context, b->nodes, (size_t)count * 2 * sizeof *b->nodes);
     sag_release(b->context, b->tasks, b->task_capacity * sizeof *b->tasks);
     sag_release(b->context, b->tops, b->task_capacity * sizeof *b->tops);
     sag_release(b->context, b->chunks, chunks_of(count) * sizeof *b->chunks);
+}
+
+// Allocates the nodes and builds them, from `all`, which is measured.
+static sag_status build(builder *b, const part *all) {
+    b->node_count = b->top_count = b->task_count = 0;
+    atomic_store(&b->short_of_nodes, false);
+    const uint64_t most = 2 * (uint64_t)all->range.count - 1;
+    const uint64_t few = all->range.count + (uint64_t)b->task_capacity * (SPARE + 1);
+    b->node_capacity = (uint32_t)(b->several || most < few ? most : few);
+    b->nodes = sag_allocate(b->context, b->node_capacity * sizeof *b->nodes);
+    b->scratch = (sagi_bvh_primitive *)(void *)b->nodes;
+    if (b->nodes == NULL) return SAG_ERROR_MEMORY;
+    build_binary(b, *all);
+    return SAG_OK;
+}
+
+static void release_nodes(builder *b) {
+    sag_release(b->context, b->nodes, b->node_capacity * sizeof *b->nodes);
+    b->nodes = NULL;
+}
+
+static sag_status build_and_collapse(builder *b, uint32_t count, sagi_bvh *tree) {
+    part all = {.range.count = count};
+    measure_all(b, &all);
+    for (uint32_t i = 0; i < b->chunk_count; i++) b->several |= !b->chunks[i].packs;
+    sag_status status = build(b, &all);
+    if (status == SAG_OK && atomic_load(&b->short_of_nodes)) {
+        release_nodes(b);
+        b->several = true;
+        status = build(b, &all);
+    }
+    if (status == SAG_OK)
+        status = sagi_bvh_collapse(b->context, b->maker, b->nodes, b->node_count, b->primitives, tree);
+    release_nodes(b);
+    return status;
 }
 
 sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *options,
@@ -232,12 +284,7 @@ sag_status sagi_bvh_build(const sag_context *context, const sagi_bvh_options *op
         return sagi_bvh_build_high(context, options, primitives, count, tree);
     builder b = {.context = context, .maker = &options->leaves, .primitives = primitives};
     sag_status status = SAG_ERROR_MEMORY;
-    if (allocate(&b, count)) {
-        part all = {.range.count = count};
-        measure_all(&b, &all);
-        build_binary(&b, all);
-        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * count, primitives, tree);
-    }
+    if (allocate(&b, count)) status = build_and_collapse(&b, count, tree);
     release(&b, count);
     return status;
 }

@@ -107,17 +107,20 @@ static const struct {
              {"large and small", large_and_small}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-// Geometries in runs of 1 to 400, primitives numbered within each.
-static sagi_bvh_primitive *make(int kind, uint32_t count, bool several) {
+// One geometry; several in runs of 1 to 400, of both kinds; or each primitive one of its own that would like
+// to be in a leaf with others. Primitives are numbered within each geometry.
+typedef enum owners { ONE, SEVERAL, ALL_APART } owners;
+
+static sagi_bvh_primitive *make(int kind, uint32_t count, owners owners) {
     rng r = rng_make(count + (unsigned)kind);
     sagi_bvh_primitive *p = malloc(count * sizeof *p);
     assert_non_null(p);
     kinds[kind].make(&r, count, p);
-    uint32_t geometry = 0, primitive = 0, left = several ? 1 : count;
+    uint32_t geometry = 0, primitive = 0, left = owners == ONE ? count : 1;
     for (uint32_t i = 0; i < count; i++, left--) {
         if (left == 0) {
-            geometry++, primitive = 0;
-            left = rng_one_in(&r, 2) ? 1 : (uint32_t)rng_uniform(&r, 1, 400);
+            geometry += owners == SEVERAL ? 1 : 2, primitive = 0;
+            left = owners == ALL_APART || rng_one_in(&r, 2) ? 1 : (uint32_t)rng_uniform(&r, 1, 400);
         }
         p[i].geometry = geometry, p[i].primitive = primitive++;
     }
@@ -229,15 +232,15 @@ static void free_tree(sagi_bvh *tree) {
     free(tree->leaves);
 }
 
-static void try(int kind, uint32_t count, bool several) {
-    sagi_bvh_primitive *all = make(kind, count, several), *work = make(kind, count, several);
+static void try(int kind, uint32_t count, owners owners) {
+    sagi_bvh_primitive *all = make(kind, count, owners), *work = make(kind, count, owners);
     sagi_bvh tree = build(1, work, count);
     qsort(all, count, sizeof *all, by_name);
     findings f = check(&tree, all, count);
     // Only where the depth cap ends it may a leaf be of several geometries.
-    if (kinds[kind].make != shrinking || !several) assert_int_equal(f.mixed, 0);
+    if (kinds[kind].make != shrinking || owners == ONE) assert_int_equal(f.mixed, 0);
     for (uint32_t threads = 2; threads <= 3; threads++) {
-        sagi_bvh_primitive *again = make(kind, count, several);
+        sagi_bvh_primitive *again = make(kind, count, owners);
         sagi_bvh other = build(threads, again, count);
         assert_int_equal(other.node_count, tree.node_count);
         assert_int_equal(other.unit_count, tree.unit_count);
@@ -256,20 +259,20 @@ static void trees_are_well_formed(void **state) {
     static const uint32_t counts[] = {1, 2, 3, 8, 9, 64, 65, 1000, 20000};
     for (int kind = 0; kind < KINDS; kind++)
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-            for (int several = 0; several < 2; several++) try(kind, counts[i], several);
+            for (owners o = ONE; o <= ALL_APART; o++) try(kind, counts[i], o);
 }
 
 static void large_trees_are_well_formed(void **state) {
     (void)state;
-    try(0, 150001, false);
-    try(1, 200000, true);
-    try(2, 100000, false);
+    try(0, 150001, ONE);
+    try(1, 200000, SEVERAL);
+    try(2, 100000, ALL_APART);
 }
 
 // A surface's leaves are about half full even where boxes lie at random, and its nodes nearly full.
 static void blocks_are_full(void **state) {
     (void)state;
-    sagi_bvh_primitive *all = make(1, 100000, false), *work = make(1, 100000, false);
+    sagi_bvh_primitive *all = make(1, 100000, ONE), *work = make(1, 100000, ONE);
     sagi_bvh tree = build(1, work, 100000);
     findings f = check(&tree, all, 100000);
     assert_true(f.primitives > 0.45 * SAGI_BVH_MAX_LEAF * f.leaves);
@@ -299,7 +302,7 @@ static void memory_may_fail(void **state) {
             &(sag_context_options){.allocator = failing_allocator_make(&f), .thread_count = 2});
         bool done = false;
         if (c != NULL) {
-            sagi_bvh_primitive *p = make(0, 70000, false);
+            sagi_bvh_primitive *p = make(0, 70000, ALL_APART); // nodes are allocated twice
             sagi_bvh tree = {.depth = 77};
             sag_status status = sagi_bvh_build(c, &options, p, 70000, &tree);
             done = status == SAG_OK;
