@@ -31,10 +31,13 @@ static bool is_no_box(const float lo[3], const float hi[3]) {
     return true;
 }
 
-// A primitive that a commit would have put into the tree (or, unbounded, beside it).
+// One that is there, and that a commit would have put into the tree (or, unbounded, beside it). Triangles of
+// a mesh are not looked at, which would cost more than all else: their indices are in range, and a triangle
+// of whatever numbers is safe to ask (tests/unit/test_invalid_shapes.c).
 static bool is_primitive(const sagi_snapshot *s, sagi_bvh_reference r, sagi_primitive_state wanted) {
     sag_box3 box;
-    return r.geometry < s->count && r.primitive < sagi_primitive_count(s, r.geometry) &&
+    if (r.geometry >= s->count || r.primitive >= sagi_primitive_count(s, r.geometry)) return false;
+    return (s->items[r.geometry].kind == SAG_SHAPE_MESH && wanted == SAGI_PRIMITIVE_GOOD) ||
            sagi_primitive_box(s, r.geometry, r.primitive, &box) == wanted;
 }
 

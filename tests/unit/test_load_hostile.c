@@ -138,6 +138,30 @@ static void any_child(void **state) {
     saved_free(&copy), saved_free(&file);
 }
 
+// Vertices and normals of any numbers under a tree that takes them for others.
+static void any_position(void **state) {
+    (void)state;
+    rng r = rng_make(18);
+    sag_scene *scene = sag_scene_create(context);
+    for (int i = 0; i < 30; i++) random_scene_add(&r, scene, SAG_SHAPE_MESH, 1);
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    saved file = saved_from(scene, NULL, NULL), copy = file;
+    sag_scene_destroy(scene);
+    copy.bytes = malloc(file.count);
+    for (size_t i = 0; i < soak(300); i++) {
+        memcpy(copy.bytes, file.bytes, file.count);
+        for (size_t at = sizeof(sagi_file_head); at < file.count;) {
+            const sagi_file_section *s = (const void *)(copy.bytes + at);
+            uint32_t *words = (void *)(copy.bytes + (at += sizeof *s));
+            for (uint32_t k = 0; s->tag == SAGI_FILE_ARRAY && s->part < 2 && k < s->bytes / 4; k++)
+                if (rng_one_in(&r, 20)) words[k] = evil_word(&r, words[k]);
+            at += (s->bytes + 63) / 64 * 64;
+        }
+        assert_true(try_it(&r, &copy));
+    }
+    saved_free(&copy), saved_free(&file);
+}
+
 static saved mesh_file_in_memory(void) {
     rng r = rng_make(13);
     sag_scene *scene = sag_scene_create(context);
@@ -315,6 +339,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_word),
         cmocka_unit_test(any_child),
+        cmocka_unit_test(any_position),
         cmocka_unit_test(tree_in_circles),
         cmocka_unit_test(tree_too_deep),
         cmocka_unit_test(leaf_beyond_the_end),
