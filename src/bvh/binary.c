@@ -30,9 +30,7 @@ static void partition(sagi_bvh_primitive *primitives, const sagi_split *split, u
     *left = sagi_extent_box(&l), *right = sagi_extent_box(&r);
 }
 
-// Whether the primitives may be one leaf: of one geometry, whose leaves cost the same however many they hold.
-// Others are split down to single ones.
-static bool fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *p, uint32_t count) {
+bool sagi_binary_fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *p, uint32_t count) {
     if (count > SAGI_BVH_MAX_LEAF) return false;
     for (uint32_t i = 1; i < count; i++)
         if (p[i].geometry != p[0].geometry) return false;
@@ -48,7 +46,7 @@ bool sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *p
     for (;;) {
         sagi_binary_node *node = &nodes[range.node];
         sagi_split split = {.verdict = SAGI_MAKE_LEAF};
-        range.fits = fits(maker, primitives + range.first, range.count);
+        range.fits = sagi_binary_fits(maker, primitives + range.first, range.count);
         if (range.count > 2 || (range.count == 2 && !range.fits)) {
             sagi_bins_init(&bins, &range);
             sagi_bins_add(&bins, primitives + range.first, range.count);

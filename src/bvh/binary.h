@@ -107,6 +107,10 @@ static inline uint64_t sagi_depth_allows(uint32_t depth) {
 // Reorders primitives so that the half with the smaller centroids on the widest axis comes first.
 void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 
+// Whether the primitives may be one leaf: of one geometry, whose leaves cost the same however many they hold.
+// Others are split down to single ones.
+bool sagi_binary_fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *primitives, uint32_t count);
+
 // Nodes for the whole range below `range`, on the calling thread, with numbers below `end`; false when these
 // do not suffice.
 bool sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,

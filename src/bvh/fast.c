@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The fast builder. Primitives are sorted along a curve (morton.c), the curve is cut into treelets, cells of
-// the curve with at most TREELET primitives each, every treelet is clustered by one thread (ploc.c) while all
-// of it is in the fastest cache, and the treelets' roots are clustered in the same way to one tree.
+// the curve with at most TREELET primitives each, and these into leaves, cells with at most LEAF. (With
+// leaves of four there is twice as much to cluster, for a tree 1.2 % cheaper.) Every treelet is clustered by
+// one thread (ploc.c) while all of it is in the fastest cache, and the treelets' roots are clustered in the
+// same way to one tree.
 //
 // A cell of one code that still holds too many primitives is sorted by itself, with a curve that fills only
 // what it holds, and again, up to LEVELS times: that resolves 11 bits of each coordinate at a time, more than
@@ -11,6 +13,7 @@
 #include <string.h>
 
 #define TREELET 256u
+#define LEAF    SAGI_BVH_MAX_LEAF
 #define LEVELS  8
 #define CHUNK   16384u
 
@@ -19,6 +22,8 @@ typedef struct builder {
     sagi_bvh_primitive *primitives; // as they came
     sagi_loose_tree tree;           // over the sorted ones
     uint64_t *keys, *scratch;
+    uint8_t *leaf_size; // tree.leaf_size
+    const sagi_leaf_maker *maker;
     uint32_t *first; // of each treelet in the sorted primitives, and the end
     uint32_t *roots, *slots;
     uint32_t treelet_count;
@@ -47,13 +52,18 @@ static sag_status sort(builder *b, uint32_t begin, uint32_t count) {
 
 static uint64_t code_at(const builder *b, uint32_t i) { return b->keys[i] >> SAGI_MORTON_INDEX; }
 
-// The last code of the largest cell that holds `code` but neither of the two others (unless all are one). A
-// cell's codes agree above some bit, so that must be no higher than the highest bit in which `code` differs
-// from either.
-static uint64_t cell_end(uint64_t code, uint64_t before, uint64_t beyond) {
-    uint64_t low = ((uint64_t)1 << 3 * SAGI_MORTON_BITS) - 1;
-    while (low > 0 && ((code ^ before) <= low || (code ^ beyond) <= low)) low >>= 1;
-    return code | low;
+// The bits in which codes may differ within the largest cell around `code` that does not reach `other`: those
+// below the highest one in which the two differ. 0 when they are one.
+static uint64_t cell_apart(uint64_t code, uint64_t other) {
+    uint64_t low = code ^ other;
+    low |= low >> 1, low |= low >> 2, low |= low >> 4, low |= low >> 8, low |= low >> 16, low |= low >> 32;
+    return low >> 1;
+}
+
+// The same with two others.
+static uint64_t cell_between(uint64_t code, uint64_t before, uint64_t beyond) {
+    uint64_t low = cell_apart(code, before), high = cell_apart(code, beyond);
+    return low < high ? low : high;
 }
 
 // The first of [begin, end) whose code is more than `code`; end when there is none.
@@ -93,7 +103,8 @@ static sag_status cut(builder *b, uint32_t begin, uint32_t end, int level) {
         stop = end;
         if (end - begin > TREELET) {
             uint64_t code = code_at(b, begin);
-            stop = first_beyond(b, begin, end, cell_end(code, before, code_at(b, begin + TREELET)));
+            stop =
+                first_beyond(b, begin, end, code | cell_between(code, before, code_at(b, begin + TREELET)));
             before = code_at(b, stop - 1);
         }
         if (stop - begin <= TREELET) {
@@ -106,13 +117,31 @@ static sag_status cut(builder *b, uint32_t begin, uint32_t end, int level) {
     return SAG_OK;
 }
 
+// Leaves for the sorted primitives [first, end): cells of the curve that hold few enough.
+static void make_leaves(const builder *b, uint32_t first, uint32_t end) {
+    uint64_t before = UINT64_MAX;
+    for (uint32_t i = first, size; i < end; i += size) {
+        size = end - i;
+        if (size > LEAF) {
+            uint64_t code = code_at(b, i), low = cell_between(code, before, code_at(b, i + LEAF));
+            for (size = 1; size < LEAF && (code_at(b, i + size) ^ code) <= low; size++) {
+            }
+        }
+        if (!sagi_binary_fits(b->maker, b->tree.primitives + i, size)) size = 1;
+        before = code_at(b, i + size - 1);
+        b->leaf_size[i] = (uint8_t)size;
+    }
+}
+
 static void cluster_treelet(void *argument, size_t index) {
     builder *b = argument;
     float memory[SAGI_CLUSTERS_FLOATS(TREELET)];
     sagi_clusters clusters;
     sagi_clusters_init(&clusters, memory, TREELET);
     uint32_t first = b->first[index], end = b->first[index + 1];
-    for (uint32_t i = first; i < end; i++) sagi_clusters_add(&clusters, &b->tree, SAGI_LOOSE_LEAF | i);
+    make_leaves(b, first, end);
+    for (uint32_t i = first; i < end; i += b->leaf_size[i])
+        sagi_clusters_add(&clusters, &b->tree, SAGI_LOOSE_LEAF | i);
     b->roots[index] = sagi_clusters_merge(&clusters, &b->tree, NULL, first);
     b->slots[index] = end - 1; // the one node of its share that a treelet leaves
 }
@@ -143,8 +172,9 @@ static bool allocate(builder *b, uint32_t count) {
     b->keys = sag_allocate(b->context, n * sizeof *b->keys);
     b->scratch = sag_allocate(b->context, n * sizeof *b->scratch);
     b->first = sag_allocate(b->context, (n + 1) * sizeof *b->first);
+    b->tree.leaf_size = b->leaf_size = sag_allocate(b->context, n);
     return b->nodes != NULL && b->tree.nodes != NULL && b->tree.primitives != NULL && b->keys != NULL &&
-           b->scratch != NULL && b->first != NULL;
+           b->scratch != NULL && b->first != NULL && b->leaf_size != NULL;
 }
 
 static void release(builder *b, uint32_t count) {
@@ -155,6 +185,7 @@ static void release(builder *b, uint32_t count) {
     sag_release(b->context, b->keys, n * sizeof *b->keys);
     sag_release(b->context, b->scratch, n * sizeof *b->scratch);
     sag_release(b->context, b->first, (n + 1) * sizeof *b->first);
+    sag_release(b->context, b->leaf_size, n);
     sag_release(b->context, b->roots, b->treelet_count * sizeof *b->roots);
     sag_release(b->context, b->slots, b->treelet_count * sizeof *b->slots);
     sag_release(b->context, b->memory, SAGI_CLUSTERS_FLOATS(b->treelet_count) * sizeof *b->memory);
@@ -162,7 +193,8 @@ static void release(builder *b, uint32_t count) {
 
 sag_status sagi_bvh_build_fast(const sag_context *context, const sagi_bvh_options *options,
                                sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
-    builder b = {.context = context, .primitives = primitives, .tree.count = count};
+    builder b = {
+        .context = context, .maker = &options->leaves, .primitives = primitives, .tree.count = count};
     sag_status status = allocate(&b, count) ? build(&b, count) : SAG_ERROR_MEMORY;
     if (status == SAG_OK)
         status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * count, primitives, tree);

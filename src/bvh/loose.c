@@ -4,6 +4,7 @@
 // threads at once. The walk down has a stack, which the depth cap bounds; the walk through a subtree that is
 // too deep has none and finds its way back by the parents.
 #include "bvh/loose.h"
+#include <string.h>
 
 #define TASK  4096u // primitives that one thread writes at a time
 #define TASKS 512u
@@ -31,7 +32,10 @@ static void copy_leaves(const writer *w, uint32_t root, sagi_bvh_primitive *out)
             node = child, side = 0;
             continue;
         }
-        *out++ = w->tree->primitives[child & ~SAGI_LOOSE_LEAF];
+        child &= ~SAGI_LOOSE_LEAF;
+        uint32_t size = sagi_loose_leaf_size(w->tree, child);
+        memcpy(out, w->tree->primitives + child, size * sizeof *out);
+        out += size;
         for (; side == 1; node = nodes[node].parent) {
             if (node == root) return;
             side = nodes[nodes[node].parent].child[1] == node;
@@ -73,41 +77,52 @@ static void write_halves(const writer *w, job root) {
     }
 }
 
-// Writes the node of *j, which is inner, and makes *j its left child and *right its right one; false when the
-// subtree was too deep and is written.
-static bool write_inner(const writer *w, job *j, job *right) {
+// Whether an inner node can be written as it is, or is too deep for what it holds.
+static bool is_shallow(const writer *w, const job *j) {
     const sagi_loose_node *n = &w->tree->nodes[j->child];
-    uint32_t l = sagi_loose_count(w->tree, n->child[0]), r = n->count - l;
+    uint32_t left = sagi_loose_count(w->tree, n->child[0]), right = n->count - left;
     uint64_t most = sagi_depth_allows(j->depth + 1);
-    if (l > most || r > most) {
-        write_halves(w, *j);
-        return false;
-    }
-    w->nodes[j->node] = (sagi_binary_node){n->box, j->node + 2 * l, 0};
-    *right = (job){n->child[1], j->node + 2 * l, j->first + l, j->depth + 1};
-    *j = (job){n->child[0], j->node + 1, j->first, j->depth + 1};
-    return true;
+    return left <= most && right <= most;
 }
 
 static void write_leaf(const writer *w, job j) {
-    w->primitives[j.first] = w->tree->primitives[j.child & ~SAGI_LOOSE_LEAF];
-    w->nodes[j.node] = (sagi_binary_node){sagi_loose_box(w->tree, j.child), j.first, 1};
+    uint32_t first = j.child & ~SAGI_LOOSE_LEAF, size = sagi_loose_leaf_size(w->tree, first);
+    memcpy(w->primitives + j.first, w->tree->primitives + first, size * sizeof *w->primitives);
+    w->nodes[j.node] = (sagi_binary_node){sagi_loose_box(w->tree, j.child), j.first, size};
 }
 
+// The jobs of an inner node's children, but for their nodes.
+static void descend(const writer *w, const job *j, job *left, job *right) {
+    const sagi_loose_node *n = &w->tree->nodes[j->child];
+    uint32_t count = sagi_loose_count(w->tree, n->child[0]);
+    *right = (job){.child = n->child[1], .first = j->first + count, .depth = j->depth + 1};
+    *left = (job){.child = n->child[0], .first = j->first, .depth = j->depth + 1};
+}
+
+// One thread's subtree. Its nodes stand closely, each next to the one before; a right child on the stack has
+// its parent's number until it gets its own.
 static void write_task(void *argument, size_t index) {
     const writer *w = argument;
     job stack[SAGI_BVH_MAX_DEPTH + 1], j = w->tasks[index];
+    uint32_t next = j.node + 1;
     for (int waiting = 0;;) {
-        if (!(j.child & SAGI_LOOSE_LEAF)) {
-            if (write_inner(w, &j, &stack[waiting])) {
-                waiting++;
-                continue;
-            }
-        } else {
+        if (j.child & SAGI_LOOSE_LEAF) {
             write_leaf(w, j);
+        } else if (is_shallow(w, &j)) {
+            job left, *right = &stack[waiting++];
+            w->nodes[j.node] = (sagi_binary_node){w->tree->nodes[j.child].box, 0, 0};
+            descend(w, &j, &left, right);
+            right->node = j.node, left.node = next++;
+            j = left;
+            continue;
+        } else {
+            write_halves(w, j);
+            next = j.node + 2 * w->tree->nodes[j.child].count - 1;
         }
         if (waiting == 0) return;
         j = stack[--waiting];
+        w->nodes[j.node].link = next;
+        j.node = next++;
     }
 }
 
@@ -121,17 +136,18 @@ void sagi_loose_write(const sag_context *context, const sagi_loose_tree *tree, s
     writer w = {.tree = tree, .primitives = primitives, .nodes = nodes};
     job stack[SAGI_BVH_MAX_DEPTH + 1], j = {.child = tree->root};
     for (int waiting = 0;;) {
-        if (sagi_loose_count(tree, j.child) > TASK) {
-            if (write_inner(&w, &j, &stack[waiting])) {
-                waiting++;
-                continue;
-            }
-        } else {
+        if (sagi_loose_count(tree, j.child) <= TASK || !is_shallow(&w, &j)) {
             if (w.task_count == TASKS) run_tasks(context, &w);
             w.tasks[w.task_count++] = j;
+            if (waiting == 0) break;
+            j = stack[--waiting];
+            continue;
         }
-        if (waiting == 0) break;
-        j = stack[--waiting];
+        job left, *right = &stack[waiting++];
+        descend(&w, &j, &left, right);
+        left.node = j.node + 1, right->node = j.node + 2 * (right->first - left.first);
+        nodes[j.node] = (sagi_binary_node){tree->nodes[j.child].box, right->node, 0};
+        j = left;
     }
     run_tasks(context, &w);
 }

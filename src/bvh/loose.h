@@ -6,7 +6,8 @@
 
 #include "bvh/binary.h"
 
-// An inner node. A child is another inner node or, with SAGI_LOOSE_LEAF, a primitive.
+// An inner node. A child is another inner node or, with SAGI_LOOSE_LEAF, a leaf: the number of its first
+// primitive.
 typedef struct sagi_loose_node {
     sagi_float_box box;
     uint32_t child[2];
@@ -20,18 +21,27 @@ typedef struct sagi_loose_node {
 typedef struct sagi_loose_tree {
     sagi_loose_node *nodes;
     sagi_bvh_primitive *primitives;
-    uint32_t count; // of primitives, at least 1; one less inner nodes are in use
-    uint32_t root;  // a child like any other
+    const uint8_t *leaf_size; // of a leaf by its first primitive; NULL: they have one each
+    uint32_t count;           // of primitives, at least 1; one less inner nodes, or fewer, are in use
+    uint32_t root;            // a child like any other
 } sagi_loose_tree;
+
+static inline uint32_t sagi_loose_leaf_size(const sagi_loose_tree *tree, uint32_t first) {
+    return tree->leaf_size != NULL ? tree->leaf_size[first] : 1;
+}
 
 static inline sagi_float_box sagi_loose_box(const sagi_loose_tree *tree, uint32_t child) {
     if (!(child & SAGI_LOOSE_LEAF)) return tree->nodes[child].box;
-    const sagi_bvh_primitive *p = &tree->primitives[child & ~SAGI_LOOSE_LEAF];
-    return (sagi_float_box){{p->lo[0], p->lo[1], p->lo[2]}, {p->hi[0], p->hi[1], p->hi[2]}};
+    uint32_t first = child & ~SAGI_LOOSE_LEAF, end = first + sagi_loose_leaf_size(tree, first);
+    sagi_float_box box = sagi_float_box_empty();
+    for (uint32_t i = first; i < end; i++)
+        sagi_float_box_extend(&box, tree->primitives[i].lo, tree->primitives[i].hi);
+    return box;
 }
 
 static inline uint32_t sagi_loose_count(const sagi_loose_tree *tree, uint32_t child) {
-    return child & SAGI_LOOSE_LEAF ? 1 : tree->nodes[child].count;
+    if (!(child & SAGI_LOOSE_LEAF)) return tree->nodes[child].count;
+    return sagi_loose_leaf_size(tree, child & ~SAGI_LOOSE_LEAF);
 }
 
 static inline sagi_float_box sagi_float_box_union(const sagi_float_box *a, const sagi_float_box *b) {
@@ -40,9 +50,9 @@ static inline sagi_float_box sagi_float_box_union(const sagi_float_box *a, const
     return box;
 }
 
-// Writes the tree as nodes[0 … 2 count − 1) and its primitives in the leaves' order, with leaves of one
-// primitive, on the context's threads. Where a subtree is too deep for the caps of bvh.h it is halved
-// instead, so that what is written keeps to them however deep the loose tree is.
+// Writes the tree as nodes[0 … 2 count − 1) and its primitives in the leaves' order, on the context's
+// threads. Where a subtree is too deep for the caps of bvh.h it is halved instead, so that what is written
+// keeps to them however deep the loose tree is.
 void sagi_loose_write(const sag_context *context, const sagi_loose_tree *tree, sagi_bvh_primitive *primitives,
                       sagi_binary_node *nodes);
 
