@@ -159,10 +159,9 @@ static inline bool certain_triangle(question asked, level *here, const sagi_tria
                                     uint32_t lane) {
     const sagi_item *item = item_of(here, &block->head);
     mesh_corners at = corners_of(item, block->primitive[lane]);
-    sagi_triangle_ray ray = triangle_ray_of(here);
     double t, u, v;
     SAGI_KERNEL_COUNT(solved);
-    if (!sagi_triangle_solve_here(&ray, &at.a, &at.b, &at.c, &t, &u, &v)) return false;
+    if (!sagi_triangle_solve_here(here->ray, here->t_max, &at.a, &at.b, &at.c, &t, &u, &v)) return false;
     return accept(asked, here, block->head.geometry, block->primitive[lane], t, item->mirrored ? v : u,
                   item->mirrored ? u : v);
 }

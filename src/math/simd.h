@@ -45,11 +45,11 @@ SAGI_INLINE sagi_d4 sagi_d4_load(const void *p) { // of any alignment
     return a;
 }
 
-// Lanes of one vector in another order.
+// Lanes of two vectors, numbered 0 … 3 and 4 … 7.
 #if defined(__clang__) || __GNUC__ >= 12
-#define SAGI_D4_SHUFFLE(a, i, j, k, l) __builtin_shufflevector(a, a, i, j, k, l)
+#define SAGI_D4_SHUFFLE2(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #else
-#define SAGI_D4_SHUFFLE(a, i, j, k, l) __builtin_shuffle(a, (sagi_l4){i, j, k, l})
+#define SAGI_D4_SHUFFLE2(a, b, i, j, k, l) __builtin_shuffle(a, b, (sagi_l4){i, j, k, l})
 #endif
 
 SAGI_INLINE sagi_i8 sagi_f8_bits(sagi_f8 a) { return (sagi_i8)a; }

@@ -22,12 +22,16 @@ typedef struct sagi_triangle_ray {
     int exponent;        // 0 unless the direction is very short or very long
 } sagi_triangle_ray;
 
+// Directions whose largest coordinate is within these are taken as they are.
+#define SAGI_TRIANGLE_SHORT 0x1p-64
+#define SAGI_TRIANGLE_LONG  0x1p64
+
 // The ray must be valid (sag_ray_is_valid).
 static inline sagi_triangle_ray sagi_triangle_prepare(const sag_ray *ray) {
     sagi_triangle_ray r = {.o = ray->origin, .d = ray->direction, .t_min = ray->t_min, .t_max = ray->t_max};
     double x = fabs(r.d.x), y = fabs(r.d.y), z = fabs(r.d.z), largest = x > y ? x : y;
     largest = z > largest ? z : largest;
-    if (!(largest >= 0x1p-64 && largest <= 0x1p64)) {
+    if (!(largest >= SAGI_TRIANGLE_SHORT && largest <= SAGI_TRIANGLE_LONG)) {
         r.exponent = ilogb(largest);
         r.d = sag_vec3_make(ldexp(r.d.x, -r.exponent), ldexp(r.d.y, -r.exponent), ldexp(r.d.z, -r.exponent));
     }

@@ -11,8 +11,22 @@
 #define SAGI_NOINLINE
 #endif
 
-SAGI_COLD bool sagi_triangle_solve_exact(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
-                                         const sag_vec3 *c, double *t, double *u, double *v) {
+static double norm_max(sag_vec3 a) { return sagi_larger(sagi_larger(fabs(a.x), fabs(a.y)), fabs(a.z)); }
+
+// Writes the answer when t, back in the caller's directions, is in range and a number: very short directions
+// may put it beyond the doubles.
+static bool accept(const sagi_triangle_ray *ray, double t_scaled, double beta, double gamma, double *t,
+                   double *u, double *v) {
+    double value = ray->exponent ? ldexp(t_scaled, -ray->exponent) : t_scaled;
+    if (!(value >= ray->t_min && value <= ray->t_max) || isinf(value)) return false;
+    *t = value;
+    sagi_triangle_confine(beta, gamma, u, v);
+    return true;
+}
+
+// Step 3.
+static SAGI_COLD bool solve_exact(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
+                                  const sag_vec3 *c, double *t, double *u, double *v) {
     sagi_expansion3 d = sagi_expansion3_from(ray->d), ao = sagi_expansion3_from_diff(*a, ray->o);
     sagi_expansion3 ab = sagi_expansion3_from_diff(*b, *a), ac = sagi_expansion3_from_diff(*c, *a);
     // Each vector is its true value times 2 to the exponent here; quotients take the difference out again.
@@ -31,7 +45,7 @@ SAGI_COLD bool sagi_triangle_solve_exact(const sagi_triangle_ray *ray, const sag
     double beta = -sagi_expansion_quotient(count, numerator, m, denominator, weight_scale + ab_scale);
     count = sagi_expansion3_dot(&moment, &ab, numerator); // e(a, b)
     double gamma = sagi_expansion_quotient(count, numerator, m, denominator, weight_scale + ac_scale);
-    return sagi_triangle_accept(ray, t_scaled, beta, gamma, t, u, v);
+    return accept(ray, t_scaled, beta, gamma, t, u, v);
 }
 
 typedef struct dd3 {
@@ -54,9 +68,12 @@ static sagi_dd dd3_dot(const dd3 *a, const dd3 *b) {
                        sagi_dd_mul(a->z, b->z));
 }
 
-SAGI_COLD bool sagi_triangle_solve_dd(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
-                                      const sag_vec3 *c, double far, double size, double *t, double *u,
-                                      double *v) {
+// What step 1 cannot do.
+static SAGI_COLD bool solve_carefully(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
+                                      const sag_vec3 *c, double *t, double *u, double *v) {
+    sag_vec3 way = sag_sub(*a, ray->o), edge1 = sag_sub(*b, *a), edge2 = sag_sub(*c, *a);
+    double far = sagi_norm1(way) + 0x1p-300, size = sagi_larger(norm_max(edge1), norm_max(edge2));
+    if (!(far <= 0x1p400 && size >= 0x1p-200 && size <= 0x1p200)) return solve_exact(ray, a, b, c, t, u, v);
     dd3 d = dd3_from(ray->d), ao = dd3_diff(*a, ray->o), ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a);
     dd3 n = dd3_cross(&ab, &ac), moment = dd3_cross(&d, &ao);
     sagi_dd denominator = dd3_dot(&d, &n), numerator = dd3_dot(&ao, &n);
@@ -65,24 +82,37 @@ SAGI_COLD bool sagi_triangle_solve_dd(const sagi_triangle_ray *ray, const sag_ve
     if (!(denominator_error <= 0.5 * SAGI_EPSILON * fabs(denominator.hi) &&
           unit * far * square <= 0.5 * SAGI_EPSILON * fabs(numerator.hi) &&
           unit * ray->d1 * far * size + denominator_error <= 0x1p-50 * fabs(denominator.hi)))
-        return sagi_triangle_solve_exact(ray, a, b, c, t, u, v);
+        return solve_exact(ray, a, b, c, t, u, v);
     double beta = -sagi_dd_to_double(sagi_dd_div(dd3_dot(&moment, &ac), denominator));
     double gamma = sagi_dd_to_double(sagi_dd_div(dd3_dot(&moment, &ab), denominator));
-    return sagi_triangle_accept(ray, sagi_dd_to_double(sagi_dd_div(numerator, denominator)), beta, gamma, t,
-                                u, v);
+    return accept(ray, sagi_dd_to_double(sagi_dd_div(numerator, denominator)), beta, gamma, t, u, v);
 }
 
-// n · P in double-doubles, see 2. above.
-SAGI_NOINLINE double sagi_triangle_residual(const sagi_triangle_ray *ray, const sag_vec3 *a,
+SAGI_NOINLINE double sagi_triangle_residual(const sag_vec3 *o, const sag_vec3 *d, const sag_vec3 *a,
                                             const sag_vec3 *b, const sag_vec3 *c, double t) {
-    dd3 ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a), n = dd3_cross(&ab, &ac), p = dd3_diff(*a, ray->o);
-    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, ray->d.x));
-    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, ray->d.y));
-    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, ray->d.z));
+    dd3 ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a), n = dd3_cross(&ab, &ac), p = dd3_diff(*a, *o);
+    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, d->x));
+    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, d->y));
+    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, d->z));
     return sagi_dd_to_double(dd3_dot(&n, &p));
 }
 
 bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                          const sag_vec3 *c, double *t, double *u, double *v) {
-    return sagi_triangle_solve_here(ray, a, b, c, t, u, v);
+    // In scaled directions times are others: then only the end decides.
+    double t_min = ray->exponent == 0 ? ray->t_min : -INFINITY, value, beta, gamma;
+    double t_max = ray->exponent == 0 ? ray->t_max : INFINITY;
+    switch (sagi_triangle_step(&ray->o, &ray->d, ray->d1, t_min, t_max, a, b, c, &value, &beta, &gamma)) {
+    case SAGI_SOLVED_MISS: return false;
+    case SAGI_SOLVED_HIT: return accept(ray, value, beta, gamma, t, u, v);
+    case SAGI_SOLVED_NOT: break;
+    }
+    return solve_carefully(ray, a, b, c, t, u, v);
+}
+
+bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sag_vec3 *a, const sag_vec3 *b,
+                             const sag_vec3 *c, double *t, double *u, double *v) {
+    sagi_triangle_ray prepared = sagi_triangle_prepare(ray);
+    prepared.t_max = t_max;
+    return sagi_triangle_solve(&prepared, a, b, c, t, u, v);
 }
