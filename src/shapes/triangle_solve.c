@@ -11,6 +11,7 @@
 #define SAGI_NOINLINE
 #endif
 
+static double norm1(sag_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 static double norm_max(sag_vec3 a) { return sagi_larger(sagi_larger(fabs(a.x), fabs(a.y)), fabs(a.z)); }
 
 // Writes the answer when t, back in the caller's directions, is in range and a number: very short directions
@@ -72,7 +73,7 @@ static sagi_dd dd3_dot(const dd3 *a, const dd3 *b) {
 static SAGI_COLD bool solve_carefully(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                                       const sag_vec3 *c, double *t, double *u, double *v) {
     sag_vec3 way = sag_sub(*a, ray->o), edge1 = sag_sub(*b, *a), edge2 = sag_sub(*c, *a);
-    double far = sagi_norm1(way) + 0x1p-300, size = sagi_larger(norm_max(edge1), norm_max(edge2));
+    double far = norm1(way) + 0x1p-300, size = sagi_larger(norm_max(edge1), norm_max(edge2));
     if (!(far <= 0x1p400 && size >= 0x1p-200 && size <= 0x1p200)) return solve_exact(ray, a, b, c, t, u, v);
     dd3 d = dd3_from(ray->d), ao = dd3_diff(*a, ray->o), ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a);
     dd3 n = dd3_cross(&ab, &ac), moment = dd3_cross(&d, &ao);

@@ -38,7 +38,6 @@
 #include "shapes/triangle.h"
 #include <stddef.h>
 
-static inline double sagi_norm1(sag_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 static inline double sagi_larger(double a, double b) { return a > b ? a : b; }
 
 #define REAL                   double
