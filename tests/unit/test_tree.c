@@ -109,9 +109,9 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 
 // One geometry; several in runs of 1 to 400, of both kinds; or each primitive one of its own that would like
 // to be in a leaf with others. Primitives are numbered within each geometry.
-typedef enum owners { ONE, SEVERAL, ALL_APART } owners;
+typedef enum ownership { ONE, SEVERAL, ALL_APART } ownership;
 
-static sagi_bvh_primitive *make(int kind, uint32_t count, owners owners) {
+static sagi_bvh_primitive *make(int kind, uint32_t count, ownership owners) {
     rng r = rng_make(count + (unsigned)kind);
     sagi_bvh_primitive *p = malloc(count * sizeof *p);
     assert_non_null(p);
@@ -232,7 +232,7 @@ static void free_tree(sagi_bvh *tree) {
     free(tree->leaves);
 }
 
-static void try(int kind, uint32_t count, owners owners) {
+static void try(int kind, uint32_t count, ownership owners) {
     sagi_bvh_primitive *all = make(kind, count, owners), *work = make(kind, count, owners);
     sagi_bvh tree = build(1, work, count);
     qsort(all, count, sizeof *all, by_name);
@@ -259,7 +259,7 @@ static void trees_are_well_formed(void **state) {
     static const uint32_t counts[] = {1, 2, 3, 8, 9, 64, 65, 1000, 20000};
     for (int kind = 0; kind < KINDS; kind++)
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-            for (owners o = ONE; o <= ALL_APART; o++) try(kind, counts[i], o);
+            for (ownership o = ONE; o <= ALL_APART; o++) try(kind, counts[i], o);
 }
 
 static void large_trees_are_well_formed(void **state) {
