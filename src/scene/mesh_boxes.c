@@ -14,7 +14,7 @@ static void count_state(sagi_survey *survey, sagi_triangle_state state) {
     }
 }
 
-static sag_box3 box_of(const sag_vec3 p[3]) {
+sag_box3 sagi_corners_box(const sag_vec3 p[3]) {
     sag_box3 box = {p[0], p[0]};
     for (int i = 1; i < 3; i++) {
         if (p[i].x < box.min.x) box.min.x = p[i].x;
@@ -79,7 +79,7 @@ void sagi_mesh_survey(const sag_mesh *mesh, uint32_t first, uint32_t count, sagi
         sag_vec3 p[3];
         sagi_triangle_state state = sagi_mesh_triangle_state(mesh, i, p);
         count_state(survey, state);
-        if (state == SAGI_TRIANGLE_GOOD) survey->bounds = sag_box3_union(survey->bounds, box_of(p));
+        if (state == SAGI_TRIANGLE_GOOD) survey->bounds = sag_box3_union(survey->bounds, sagi_corners_box(p));
     }
 }
 
@@ -123,7 +123,7 @@ sagi_bvh_primitive *sagi_mesh_boxes(const sagi_world *world, uint32_t geometry, 
             sagi_mesh_triangle(mesh, i, p);
         else if (sagi_mesh_triangle_state(mesh, i, p) != SAGI_TRIANGLE_GOOD)
             continue;
-        sag_box3 box = box_of(p);
+        sag_box3 box = sagi_corners_box(p);
         *out++ = sagi_world_primitive(world, &box, geometry, i);
     }
     return out;

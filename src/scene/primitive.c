@@ -48,15 +48,7 @@ static sagi_primitive_state triangle_box(const sag_mesh *mesh, uint32_t triangle
     case SAGI_TRIANGLE_NO_AREA: return SAGI_PRIMITIVE_DEGENERATE;
     case SAGI_TRIANGLE_GOOD: break;
     }
-    box->min = box->max = p[0];
-    for (int i = 1; i < 3; i++) {
-        if (p[i].x < box->min.x) box->min.x = p[i].x;
-        if (p[i].y < box->min.y) box->min.y = p[i].y;
-        if (p[i].z < box->min.z) box->min.z = p[i].z;
-        if (p[i].x > box->max.x) box->max.x = p[i].x;
-        if (p[i].y > box->max.y) box->max.y = p[i].y;
-        if (p[i].z > box->max.z) box->max.z = p[i].z;
-    }
+    *box = sagi_corners_box(p);
     return SAGI_PRIMITIVE_GOOD;
 }
 
