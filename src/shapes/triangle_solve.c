@@ -28,6 +28,8 @@ static bool accept(const sagi_triangle_ray *ray, double t_scaled, double beta, d
 // Step 3.
 static SAGI_COLD bool solve_exact(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                                   const sag_vec3 *c, double *t, double *u, double *v) {
+    // Of a mesh that nobody checked (scene/check.c): exponents of what is not finite are no numbers to add.
+    if (!sagi_triangle_is_finite(a, b, c)) return false;
     sagi_expansion3 d = sagi_expansion3_from(ray->d), ao = sagi_expansion3_from_diff(*a, ray->o);
     sagi_expansion3 ab = sagi_expansion3_from_diff(*b, *a), ac = sagi_expansion3_from_diff(*c, *a);
     // Each vector is its true value times 2 to the exponent here; quotients take the difference out again.
