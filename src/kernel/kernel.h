@@ -21,7 +21,8 @@ typedef struct sagi_kernel {
     void (*occluded_batch)(const sagi_world *world, const sag_ray *rays, bool *occluded, size_t count);
 } sagi_kernel;
 
-extern const sagi_kernel sagi_kernel_portable, sagi_kernel_avx2, sagi_kernel_avx512;
+extern const sagi_kernel sagi_kernel_portable, sagi_kernel_sse42, sagi_kernel_avx2, sagi_kernel_avx512,
+    sagi_kernel_neon;
 
 // The kernel for an instruction set; the portable one where there is none of its own.
 const sagi_kernel *sagi_kernel_pick(sagi_isa isa);

@@ -7,10 +7,10 @@
 static const sagi_kernel *table(sagi_isa isa) {
     switch (isa) {
     case SAGI_ISA_PORTABLE: return &sagi_kernel_portable;
+    case SAGI_ISA_SSE42: return &sagi_kernel_sse42;
     case SAGI_ISA_AVX2: return &sagi_kernel_avx2;
     case SAGI_ISA_AVX512: return &sagi_kernel_avx512;
-    case SAGI_ISA_SSE42:
-    case SAGI_ISA_NEON: return NULL;
+    case SAGI_ISA_NEON: return &sagi_kernel_neon;
     }
     return NULL;
 }

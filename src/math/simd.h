@@ -10,7 +10,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__AVX2__) && defined(__FMA__)
+#if defined(SAGI_SIMD_PLAIN) // by kernel_portable.c
+#elif defined(__AVX2__) && defined(__FMA__)
 #define SAGI_SIMD_AVX2 1
 #include <immintrin.h>
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
@@ -19,7 +20,7 @@
 #elif defined(__SSE4_1__)
 #define SAGI_SIMD_SSE4 1
 #include <smmintrin.h>
-#elif defined(__ARM_NEON)
+#elif defined(__aarch64__) && defined(__ARM_NEON)
 #define SAGI_SIMD_NEON 1
 #include <arm_neon.h>
 #endif

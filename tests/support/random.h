@@ -57,11 +57,16 @@ static inline sag_vec2 rng_vec2(rng *r) {
     return (sag_vec2){x, y};
 }
 
-// How often a loop of an oracle test runs: `count`, times the environment's SAGITTA_SOAK when it is set.
+static inline double soak_factor(const char *name) {
+    const char *value = getenv(name);
+    double f = value ? atof(value) : 1;
+    return f > 0 ? f : 1;
+}
+// How often a loop of an oracle test runs: `count`, times the environment's SAGITTA_SOAK (make soak) and
+// SAGITTA_SHARE (less for further instruction sets: tests/CMakeLists.txt) where they are set.
 static inline size_t soak(size_t count) {
-    const char *factor = getenv("SAGITTA_SOAK");
-    double f = factor ? atof(factor) : 1;
-    return f > 0 ? (size_t)((double)count * f) : count;
+    double n = (double)count * soak_factor("SAGITTA_SOAK") * soak_factor("SAGITTA_SHARE");
+    return n > 1 ? (size_t)n : 1;
 }
 
 #endif

@@ -84,7 +84,7 @@ static void compare_qualities(const sag_mesh *mesh, size_t rays) {
     }
     sag_box3 box = sag_scene_bounds(scenes[0]);
     double size = sag_length(sag_sub(box.max, box.min));
-    for (size_t i = 0; i < rays; i++) {
+    for (size_t i = 0, n = soak(rays); i < n; i++) {
         sag_vec3 target = on_mesh(&r, mesh), origin = in_box(&r, &box);
         if (rng_one_in(&r, 2))
             origin = sag_madd(target, rng_log_uniform(&r, 1, 1e6) * size, rng_direction(&r));
