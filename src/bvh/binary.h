@@ -107,6 +107,11 @@ static inline uint64_t sagi_depth_allows(uint32_t depth) {
 // Reorders primitives so that the half with the smaller centroids on the widest axis comes first.
 void sagi_range_halve(sagi_bvh_primitive *primitives, const sagi_range *range);
 
+// What may be one leaf, at one price for any number of primitives, is cut only when the halves' areas add up
+// to less than this share of the whole: when it is a longish thing, not a patch of a surface. (Cutting
+// whenever it fits down to two makes trees 0.2 % cheaper, with 8 % more memory and more work for builders.)
+#define SAGI_LEAF_SHARE 0.85f
+
 // Whether the primitives may be one leaf: of one geometry, whose leaves cost the same however many they hold.
 // Others are split down to single ones.
 bool sagi_binary_fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *primitives, uint32_t count);

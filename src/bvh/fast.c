@@ -117,7 +117,24 @@ static sag_status cut(builder *b, uint32_t begin, uint32_t end, int level) {
     return SAG_OK;
 }
 
-// Leaves for the sorted primitives [first, end): cells of the curve that hold few enough.
+static float area_of(const builder *b, uint32_t first, uint32_t count) {
+    sagi_float_box box = sagi_float_box_empty();
+    for (uint32_t i = first; i < first + count; i++)
+        sagi_float_box_extend(&box, b->tree.primitives[i].lo, b->tree.primitives[i].hi);
+    return sagi_float_box_half_area(&box);
+}
+
+// How many of `count` primitives in a cell of the curve are in its first half; half of them when all have one
+// code.
+static uint32_t first_half(const builder *b, uint32_t first, uint32_t count) {
+    uint64_t code = code_at(b, first), low = cell_apart(code, code_at(b, first + count - 1));
+    uint32_t half = 1;
+    while (half < count && (code_at(b, first + half) ^ code) <= low) half++;
+    return half < count ? half : count / 2;
+}
+
+// Leaves for the sorted primitives [first, end): cells of the curve that hold few enough, and are not much
+// better off as two.
 static void make_leaves(const builder *b, uint32_t first, uint32_t end) {
     uint64_t before = UINT64_MAX;
     for (uint32_t i = first, size; i < end; i += size) {
@@ -128,6 +145,13 @@ static void make_leaves(const builder *b, uint32_t first, uint32_t end) {
             }
         }
         if (!sagi_binary_fits(b->maker, b->tree.primitives + i, size)) size = 1;
+        float area = size > 2 ? area_of(b, i, size) : 0;
+        while (size > 2) {
+            uint32_t half = first_half(b, i, size);
+            float left = area_of(b, i, half), right = area_of(b, i + half, size - half);
+            if (!(left + right < SAGI_LEAF_SHARE * area)) break;
+            size = half, area = left;
+        }
         before = code_at(b, i + size - 1);
         b->leaf_size[i] = (uint8_t)size;
     }
@@ -160,7 +184,7 @@ static sag_status build(builder *b, uint32_t count) {
     sagi_clusters_init(&clusters, b->memory, b->treelet_count);
     for (uint32_t i = 0; i < b->treelet_count; i++) sagi_clusters_add(&clusters, &b->tree, b->roots[i]);
     b->tree.root = sagi_clusters_merge(&clusters, &b->tree, b->slots, 0);
-    sagi_loose_write(b->context, &b->tree, b->primitives, b->nodes);
+    sagi_loose_write(b->context, NULL, &b->tree, b->primitives, b->nodes);
     return SAG_OK;
 }
 

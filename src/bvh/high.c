@@ -52,7 +52,7 @@ static void release(builder *b) {
 
 // Writes the tree as it is now, and keeps it when it is the cheapest so far.
 static sag_status consider(builder *b) {
-    sagi_loose_write(b->context, &b->tree, b->next.primitives, b->next.nodes);
+    sagi_loose_write(b->context, &b->options->leaves, &b->tree, b->next.primitives, b->next.nodes);
     sag_status status = sagi_forest_decide(b->context, &b->options->leaves, b->next.primitives, b->next.nodes,
                                            2 * b->tree.count, &b->next.cost);
     if (status == SAG_OK && b->next.cost < b->best.cost) {

@@ -16,6 +16,7 @@ typedef struct job {
 
 typedef struct writer {
     const sagi_loose_tree *tree;
+    const sagi_leaf_maker *maker; // NULL: leaves are as they are
     sagi_bvh_primitive *primitives;
     sagi_binary_node *nodes;
     job tasks[TASKS];
@@ -85,6 +86,18 @@ static bool is_shallow(const writer *w, const job *j) {
     return left <= most && right <= most;
 }
 
+// Whether a subtree becomes a leaf though the collapse might split it: because that gains little (split.c).
+static bool joins(const writer *w, const job *j) {
+    const sagi_loose_node *n = &w->tree->nodes[j->child];
+    if (w->maker == NULL || n->count > SAGI_BVH_MAX_LEAF) return false;
+    sagi_float_box a = sagi_loose_box(w->tree, n->child[0]), b = sagi_loose_box(w->tree, n->child[1]);
+    if (sagi_float_box_half_area(&a) + sagi_float_box_half_area(&b) <
+        SAGI_LEAF_SHARE * sagi_float_box_half_area(&n->box))
+        return false;
+    copy_leaves(w, j->child, w->primitives + j->first);
+    return sagi_binary_fits(w->maker, w->primitives + j->first, n->count);
+}
+
 static void write_leaf(const writer *w, job j) {
     uint32_t first = j.child & ~SAGI_LOOSE_LEAF, size = sagi_loose_leaf_size(w->tree, first);
     memcpy(w->primitives + j.first, w->tree->primitives + first, size * sizeof *w->primitives);
@@ -108,6 +121,9 @@ static void write_task(void *argument, size_t index) {
     for (int waiting = 0;;) {
         if (j.child & SAGI_LOOSE_LEAF) {
             write_leaf(w, j);
+        } else if (joins(w, &j)) {
+            const sagi_loose_node *n = &w->tree->nodes[j.child];
+            w->nodes[j.node] = (sagi_binary_node){n->box, j.first, n->count};
         } else if (is_shallow(w, &j)) {
             job left, *right = &stack[waiting++];
             w->nodes[j.node] = (sagi_binary_node){w->tree->nodes[j.child].box, 0, 0};
@@ -131,9 +147,9 @@ static void run_tasks(const sag_context *context, writer *w) {
     w->task_count = 0;
 }
 
-void sagi_loose_write(const sag_context *context, const sagi_loose_tree *tree, sagi_bvh_primitive *primitives,
-                      sagi_binary_node *nodes) {
-    writer w = {.tree = tree, .primitives = primitives, .nodes = nodes};
+void sagi_loose_write(const sag_context *context, const sagi_leaf_maker *maker, const sagi_loose_tree *tree,
+                      sagi_bvh_primitive *primitives, sagi_binary_node *nodes) {
+    writer w = {.tree = tree, .maker = maker, .primitives = primitives, .nodes = nodes};
     job stack[SAGI_BVH_MAX_DEPTH + 1], j = {.child = tree->root};
     for (int waiting = 0;;) {
         if (sagi_loose_count(tree, j.child) <= TASK || !is_shallow(&w, &j)) {

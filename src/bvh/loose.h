@@ -51,9 +51,10 @@ static inline sagi_float_box sagi_float_box_union(const sagi_float_box *a, const
 }
 
 // Writes the tree as nodes[0 … 2 count − 1) and its primitives in the leaves' order, on the context's
-// threads. Where a subtree is too deep for the caps of bvh.h it is halved instead, so that what is written
-// keeps to them however deep the loose tree is.
-void sagi_loose_write(const sag_context *context, const sagi_loose_tree *tree, sagi_bvh_primitive *primitives,
-                      sagi_binary_node *nodes);
+// threads. With a maker, small subtrees become leaves where they may and splitting gains little
+// (SAGI_LEAF_SHARE). Where a subtree is too deep for the caps of bvh.h it is halved instead, so that what is
+// written keeps to them however deep the loose tree is.
+void sagi_loose_write(const sag_context *context, const sagi_leaf_maker *maker, const sagi_loose_tree *tree,
+                      sagi_bvh_primitive *primitives, sagi_binary_node *nodes);
 
 #endif

@@ -15,11 +15,6 @@
 #include "bvh/binary.h"
 #include <string.h>
 
-// What may be one leaf, at one price for any number of primitives, is cut only when the halves' areas add up
-// to less than this share of the whole: when it is a longish thing, not a patch of a surface. (Cutting
-// whenever it fits down to two makes trees 0.2 % cheaper, with 8 % more memory and more work for builders.)
-#define LEAF_SHARE 0.85f
-
 // A range's primitives stop being worth 16 bins when they are few.
 static int bin_count(uint32_t count) { return count > 24 ? SAGI_MAX_BINS : 8; }
 
@@ -167,7 +162,7 @@ sagi_split sagi_bins_choose(const sagi_bins *bins, const sagi_range *range) {
     sagi_split best = cheapest_cut(bins, range, sagi_depth_allows(range->depth + 1));
     if (!range->fits) return best.bin > 0 ? best : halve;
     float halves = sagi_float_box_half_area(&best.left) + sagi_float_box_half_area(&best.right);
-    bool cut = best.bin > 0 && halves < LEAF_SHARE * sagi_float_box_half_area(&range->box);
+    bool cut = best.bin > 0 && halves < SAGI_LEAF_SHARE * sagi_float_box_half_area(&range->box);
     return cut ? best : leaf;
 }
 

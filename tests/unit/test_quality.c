@@ -91,7 +91,8 @@ static void compare_qualities(const sag_mesh *mesh, size_t rays) {
         sag_ray ray = sag_ray_make(origin, sag_sub(target, origin));
         for (int q = 1; q < QUALITIES; q++) {
             compare_ray(scenes[0], scenes[q], &ray);
-            compare_point(scenes[0], scenes[q], i % 2 ? origin : in_box(&r, &box));
+            if (mesh->triangle_count < 50000) // a point looks at all that is equally near
+                compare_point(scenes[0], scenes[q], i % 2 ? origin : in_box(&r, &box));
         }
     }
     for (int q = 0; q < QUALITIES; q++) sag_scene_destroy(scenes[q]);
@@ -242,7 +243,7 @@ static void split_triangles_in_instances(void **state) {
         assert_int_equal(sag_scene_commit(parents[q], NULL), SAG_OK);
         sag_scene_destroy(child);
     }
-    for (int i = 0; i < 300; i++) {
+    for (int i = 0; i < 60; i++) {
         sag_ray ray = across(rng_uniform(&r, -1, 1));
         compare_ray(parents[0], parents[1], &ray);
         compare_point(parents[0], parents[1], rng_vec3(&r, 1));
