@@ -8,20 +8,28 @@
 // covers the roundings of its calculation as well). So a block answers "certainly missed" and "certainly hit"
 // by itself, and where it cannot, the mesh's own vertices decide.
 //
+// Spheres of a set without a transform stand the same way, in 64 bytes up to four of them and in 128 bytes up
+// to eight: centres and radii on a grid on which all of the block's spheres lie between 0 and 65535, each
+// number at most SAGI_GRID_ERROR off.
+//
 // Everything else is a list of references.
 #ifndef SAGI_KERNEL_BLOCK_H
 #define SAGI_KERNEL_BLOCK_H
 
 #include "bvh/bvh.h"
 
-typedef enum sagi_block_kind { SAGI_BLOCK_TRIANGLES, SAGI_BLOCK_REFERENCES } sagi_block_kind;
+typedef enum sagi_block_kind {
+    SAGI_BLOCK_TRIANGLES,
+    SAGI_BLOCK_REFERENCES,
+    SAGI_BLOCK_SPHERES
+} sagi_block_kind;
 
 typedef struct sagi_block {
     uint8_t kind; // sagi_block_kind
     uint8_t count;
     uint8_t exponent;  // of the grid
-    uint8_t edge;      // no coordinate of an edge is longer than (edge + 1) · 256 grid steps
-    uint32_t geometry; // of triangles
+    uint8_t edge;      // of triangles: no coordinate of an edge is longer than (edge + 1) · 256 grid steps
+    uint32_t geometry; // of triangles and spheres
     uint64_t base;     // of the grid: x, y, z in 21 bits each
 } sagi_block;
 _Static_assert(sizeof(sagi_block) == 16, "the primitives' numbers follow");
@@ -40,6 +48,17 @@ _Static_assert(sizeof(sagi_triangle_block) == 3 * SAGI_BVH_UNIT, "three cache li
 #define SAGI_GRID_ERROR        (0.5 + 0x1p-10) // in grid steps
 #define SAGI_GRID_BASE_BITS    21
 
+// A block of spheres is the header, then four rows of numbers (x, y, z, radius) and one row of the
+// primitives' numbers, each four or eight long. What is beyond count is 0. Eight numbers of a row may be read
+// in any case and are within the block: with rows of four the last ones belong to the next row.
+static inline uint32_t sagi_sphere_row_length(uint32_t count) { return count <= 4 ? 4 : SAGI_BVH_WIDTH; }
+static inline const uint16_t *sagi_sphere_row(const sagi_block *head, uint32_t row) {
+    return (const uint16_t *)(const void *)(head + 1) + row * sagi_sphere_row_length(head->count);
+}
+static inline const uint32_t *sagi_sphere_primitives(const sagi_block *head) {
+    return (const uint32_t *)(const void *)sagi_sphere_row(head, 4);
+}
+
 // References by geometry, so that shapes of one kind stand together.
 typedef struct sagi_reference_block {
     sagi_block head;
@@ -51,6 +70,8 @@ static inline size_t sagi_block_bytes(sagi_block_kind kind, uint32_t count) {
     switch (kind) {
     case SAGI_BLOCK_TRIANGLES: return sizeof(sagi_triangle_block);
     case SAGI_BLOCK_REFERENCES: return sizeof(sagi_block) + count * sizeof(sagi_bvh_reference);
+    case SAGI_BLOCK_SPHERES:
+        return sizeof(sagi_block) + sagi_sphere_row_length(count) * (4 * sizeof(uint16_t) + sizeof(uint32_t));
     }
     return 0;
 }
@@ -64,6 +85,8 @@ static inline const sagi_block *sagi_leaf(const sagi_bvh *tree, uint32_t child) 
 static inline sagi_bvh_reference sagi_block_reference(const sagi_block *block, uint32_t i) {
     if (block->kind == SAGI_BLOCK_REFERENCES)
         return ((const sagi_reference_block *)(const void *)block)->reference[i];
+    if (block->kind == SAGI_BLOCK_SPHERES)
+        return (sagi_bvh_reference){block->geometry, sagi_sphere_primitives(block)[i]};
     return (sagi_bvh_reference){block->geometry, ((const uint32_t *)(const void *)(block + 1))[i]};
 }
 

@@ -34,9 +34,9 @@ typedef struct search {
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
 } search;
 
-// A certain hit that waits (triangles.inl).
+// A certain hit that waits (triangles.inl, spheres.inl).
 typedef struct candidate {
-    const sagi_triangle_block *block;
+    const sagi_block *block;
     uint32_t lane;
     float earliest; // in τ
 } candidate;
@@ -108,6 +108,8 @@ static bool walk_any(level *here);
 static bool walk_all(level *here);
 
 #include "kernel/triangles.inl"
+
+#include "kernel/spheres.inl"
 
 #include "kernel/leaf.inl"
 

@@ -188,6 +188,7 @@ static __attribute__((noinline)) bool list(question asked, level *here, const sa
 SAGI_INLINE bool leaf(question asked, level *here, const sagi_block *block, float begin) {
     if (block->kind == SAGI_BLOCK_TRIANGLES)
         return triangle_block(asked, here, (const sagi_triangle_block *)(const void *)block, begin);
+    if (block->kind == SAGI_BLOCK_SPHERES) return sphere_block(asked, here, block, begin);
     if (asked == CLOSEST) settle(here);
     return list(asked, here, ((const sagi_reference_block *)(const void *)block)->reference, block->count);
 }

@@ -66,15 +66,22 @@ SAGI_INLINE sagi_d4 grid_zero(uint64_t base) {
     return ((sagi_d4)n - sagi_d4_fill(0x1p52)) * sagi_d4_fill(0x1p-20) - sagi_d4_fill(1);
 }
 
+// The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
+// bounds of blocks' tests take for granted: |o| ≤ 2¹⁶, off by 2⁻³ at most.
+SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray, float begin, double steps,
+                               sagi_d4 *at) {
+    *at = ((ray->p + ray->d * sagi_d4_fill((double)begin)) - grid_zero(head->base)) * sagi_d4_fill(steps);
+    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(*at) <= sagi_d4_fill(0x1p16))) & 7) == 7 &&
+           ray->error * steps <= 0.125;
+}
+
 // `begin` is a lower bound of the τ where the ray meets the block's box, `limit` an upper bound of the τ that
 // still matter.
 SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const sagi_float_ray *ray,
                                         float begin, float limit) {
     double steps = power_of_two(block->head.exponent);
-    sagi_d4 at =
-        ((ray->p + ray->d * sagi_d4_fill((double)begin)) - grid_zero(block->head.base)) * sagi_d4_fill(steps);
-    bool usual = (sagi_d4_signs((sagi_d4)(sagi_d4_abs(at) <= sagi_d4_fill(0x1p16))) & 7) == 7 &&
-                 ray->error * steps <= 0.125;
+    sagi_d4 at;
+    bool usual = start_on_grid(&block->head, ray, begin, steps, &at);
     f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction);
     float edge = (float)(block->head.edge + 1) * 256;
     float b1 = edge * (12.5F + edge * (60 * 0x1p-24F)), b0 = 0x1p17F * b1 + 4 * edge * edge;
@@ -166,32 +173,45 @@ static inline bool certain_triangle(question asked, level *here, const sagi_tria
                   item->mirrored ? u : v);
 }
 
+static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane);
+
 // CLOSEST: finds t, u and v of the candidates that may still be the nearest.
 static inline void settle(level *here) {
     for (uint32_t i = 0; i < here->candidate_count; i++) {
         const candidate *c = &here->candidates[i];
-        if (c->earliest <= here->limit) certain_triangle(CLOSEST, here, c->block, c->lane);
+        if (!(c->earliest <= here->limit)) continue;
+        if (c->block->kind == SAGI_BLOCK_TRIANGLES)
+            certain_triangle(CLOSEST, here, (const sagi_triangle_block *)(const void *)c->block, c->lane);
+        else
+            sphere(CLOSEST, here, c->block, c->lane);
     }
     here->candidate_count = 0;
 }
 
-// CLOSEST: a certain hit bounds what still matters, though its t is not known yet.
-static inline void add_candidate(level *here, const sagi_triangle_block *block, const block_answer *answer,
-                                 uint32_t lane, float begin) {
-    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
-    float step = (float)power_of_two(-(int)block->head.exponent);
-    float t = answer->t[lane], d = answer->d[lane];
-    float latest = begin + (t + answer->b0) / (d - answer->b1) * step;
-    float earliest = begin + sagi_float_max((t - answer->b0) / (d + answer->b1), 0) * step;
-    latest *= 1 + 0x1p-20F, earliest *= 1 - 0x1p-20F;
+// CLOSEST: a certain hit bounds what still matters, though its t is not known yet. False when it does not
+// matter itself.
+static inline bool add_candidate(level *here, const sagi_block *block, uint32_t lane, float earliest,
+                                 float latest) {
     here->limit = sagi_float_min(here->limit, latest);
-    if (!(earliest <= here->limit)) return;
+    if (!(earliest <= here->limit)) return false;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < here->candidate_count; i++)
         if (here->candidates[i].earliest <= here->limit) here->candidates[kept++] = here->candidates[i];
     here->candidate_count = kept;
     if (kept == MAX_CANDIDATES) settle(here);
     here->candidates[here->candidate_count++] = (candidate){block, lane, earliest};
+    return true;
+}
+
+static inline void add_triangle(level *here, const sagi_triangle_block *block, const block_answer *answer,
+                                uint32_t lane, float begin) {
+    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
+    float step = (float)power_of_two(-(int)block->head.exponent);
+    float t = answer->t[lane], d = answer->d[lane];
+    float latest = begin + (t + answer->b0) / (d - answer->b1) * step;
+    float earliest = begin + sagi_float_max((t - answer->b0) / (d + answer->b1), 0) * step;
+    latest *= 1 + 0x1p-20F, earliest *= 1 - 0x1p-20F;
+    if (!add_candidate(here, &block->head, lane, earliest, latest)) return;
     const sag_mesh *mesh = item_of(here, &block->head)->shape;
     __builtin_prefetch(mesh->triangles + 3 * (size_t)block->primitive[lane]);
 }
@@ -208,7 +228,7 @@ SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle
     for (; certain != 0; certain &= certain - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(certain);
         if (asked == CLOSEST)
-            add_candidate(here, block, &answer, lane, begin);
+            add_triangle(here, block, &answer, lane, begin);
         else
             certain_triangle(asked, here, block, lane);
     }

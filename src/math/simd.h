@@ -76,12 +76,13 @@ SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_m
 SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
     return (sagi_d4)_mm256_fmsub_pd(a, b, p);
 }
+SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) { return (sagi_f8)_mm256_sqrt_ps(a); }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_min_pd(a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_max_pd(a, b); }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a); }
-SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
-    __m128i h = _mm_load_si128((const __m128i *)(const void *)p);
+SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) { // of any alignment
+    __m128i h = _mm_loadu_si128((const __m128i *)(const void *)p);
     return (sagi_f8)_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(h));
 }
 // The first lane of a mask is bit 0.
@@ -144,6 +145,11 @@ SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) {
     for (int i = 0; i < 2; i++) x.half[i] = _mm_max_ps(x.half[i], y.half[i]);
     return x.all;
 }
+SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
+    sagi_halves x = {a};
+    for (int i = 0; i < 2; i++) x.half[i] = _mm_sqrt_ps(x.half[i]);
+    return x.all;
+}
 SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     sagi_halves x = {(sagi_f8)a};
     return (uint32_t)(_mm_movemask_ps(x.half[0]) | _mm_movemask_ps(x.half[1]) << 4);
@@ -152,6 +158,14 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
 SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a < b, a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a > b, a, b); }
 #ifdef SAGI_SIMD_NEON
+SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
+    union {
+        sagi_f8 all;
+        float32x4_t half[2];
+    } x = {a};
+    for (int i = 0; i < 2; i++) x.half[i] = vsqrtq_f32(x.half[i]);
+    return x.all;
+}
 SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     a &= (sagi_i8){1, 2, 4, 8, 16, 32, 64, 128};
     union {
@@ -161,6 +175,10 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     return (uint32_t)(vaddvq_s32(x.half[0]) + vaddvq_s32(x.half[1]));
 }
 #else
+SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
+    for (int i = 0; i < 8; i++) a[i] = __builtin_sqrtf(a[i]);
+    return a;
+}
 SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     uint32_t mask = 0;
     for (int i = 0; i < 8; i++) mask |= (uint32_t)(a[i] != 0) << i;

@@ -49,15 +49,27 @@ static bool is_triangles(const sagi_snapshot *s, const sagi_triangle_block *bloc
     return head->exponent <= SAGI_GRID_MAX_EXPONENT && head->base >> (3 * SAGI_GRID_BASE_BITS) == 0;
 }
 
+static bool is_spheres(const sagi_snapshot *s, const sagi_block *head) {
+    if (head->geometry >= s->count || s->items[head->geometry].kind != SAG_SHAPE_SPHERES) return false;
+    if (s->items[head->geometry].place != NULL) return false;
+    uint32_t length = sagi_sphere_row_length(head->count);
+    for (uint32_t i = head->count; i < length; i++)
+        if (sagi_sphere_primitives(head)[i] != 0) return false;
+    return head->exponent <= SAGI_GRID_MAX_EXPONENT && head->base >> (3 * SAGI_GRID_BASE_BITS) == 0;
+}
+
 static bool is_leaf(const sagi_snapshot *s, uint32_t child) {
     uint32_t first = child & ~SAGI_BVH_LEAF, units = s->world.tree.unit_count;
     if (first >= units) return false;
     const sagi_block *block = sagi_leaf(&s->world.tree, child);
-    if (block->kind != SAGI_BLOCK_TRIANGLES && block->kind != SAGI_BLOCK_REFERENCES) return false;
+    if (block->kind != SAGI_BLOCK_TRIANGLES && block->kind != SAGI_BLOCK_REFERENCES &&
+        block->kind != SAGI_BLOCK_SPHERES)
+        return false;
     if (block->count < 1 || block->count > SAGI_BVH_MAX_LEAF) return false;
     if (sagi_block_bytes((sagi_block_kind)block->kind, block->count) > (units - first) * SAGI_BVH_UNIT)
         return false;
     if (block->kind == SAGI_BLOCK_TRIANGLES && !is_triangles(s, (const void *)block)) return false;
+    if (block->kind == SAGI_BLOCK_SPHERES && !is_spheres(s, block)) return false;
     for (uint32_t i = 0; i < block->count; i++)
         if (!is_primitive(s, sagi_block_reference(block, i), SAGI_PRIMITIVE_GOOD)) return false;
     return true;

@@ -1,29 +1,32 @@
 // SPDX-License-Identifier: MIT
-// Writing leaves (kernel/block.h): triangles of one mesh as a block of their own, everything else as a list
-// of references.
-#include "kernel/block.h"
+// Writing leaves (kernel/block.h): triangles of one mesh and spheres of one set as blocks of their own,
+// everything else as a list of references.
+#include "scene/grid.h"
 #include "scene/scene.h"
 #include "shapes/mesh.h"
 #include <string.h>
 
-static sagi_block_kind kind_of(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint32_t count) {
-    for (uint32_t i = 1; i < count; i++)
-        if (p[i].geometry != p[0].geometry) return SAGI_BLOCK_REFERENCES;
-    return s->items[p[0].geometry].kind == SAG_SHAPE_MESH ? SAGI_BLOCK_TRIANGLES : SAGI_BLOCK_REFERENCES;
+static sagi_block_kind kind_of(const sagi_snapshot *s, uint32_t geometry) {
+    if (geometry == SAGI_BVH_MIXED) return SAGI_BLOCK_REFERENCES;
+    const sagi_item *item = &s->items[geometry];
+    if (item->kind == SAG_SHAPE_MESH) return SAGI_BLOCK_TRIANGLES;
+    return item->kind == SAG_SHAPE_SPHERES && item->place == NULL ? SAGI_BLOCK_SPHERES
+                                                                  : SAGI_BLOCK_REFERENCES;
 }
 
-// A block of triangles costs the same however many there are. The other shapes are tested one by one, in
-// double, and further boxes are much cheaper.
+// A block of triangles or spheres costs the same however many there are. The other shapes are tested one by
+// one, in double, and further boxes are much cheaper.
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
-    const sagi_snapshot *s = snapshot;
-    if (s->items[geometry].kind == SAG_SHAPE_MESH) return (sagi_leaf_cost){.all = 1.2f};
+    switch (kind_of(snapshot, geometry)) {
+    case SAGI_BLOCK_TRIANGLES: return (sagi_leaf_cost){.all = 1.2f};
+    case SAGI_BLOCK_SPHERES: return (sagi_leaf_cost){.all = 1.2f};
+    case SAGI_BLOCK_REFERENCES: break;
+    }
     return (sagi_leaf_cost){.all = 0.5f, .each = 2};
 }
 
 uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count) {
-    const sagi_snapshot *s = snapshot;
-    bool triangles = geometry != SAGI_BVH_MIXED && s->items[geometry].kind == SAG_SHAPE_MESH;
-    size_t bytes = sagi_block_bytes(triangles ? SAGI_BLOCK_TRIANGLES : SAGI_BLOCK_REFERENCES, count);
+    size_t bytes = sagi_block_bytes(kind_of(snapshot, geometry), count);
     return (uint32_t)((bytes + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT);
 }
 
@@ -65,17 +68,6 @@ static void read_corners(const sagi_item *item, const sagi_bvh_primitive *p, uin
                                                   : mesh->positions_f64[first[j][i] + k];
 }
 
-// The largest e for which x · 2^e is at most 65535, x ≥ 0: with x = m · 2^n and m in [1, 2) that is 15 − n
-// or, if m is larger than 65535 / 32768, one less.
-static int grid_exponent(double x) {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    int n = (int)(bits >> 52) - 1023;
-    const uint64_t largest = 0xFFFEull << 36; // the fraction of 65535 / 32768
-    int e = SAGI_GRID_BITS - 1 - n - ((bits & ((1ull << 52) - 1)) > largest);
-    return e < SAGI_GRID_MAX_EXPONENT ? e : SAGI_GRID_MAX_EXPONENT;
-}
-
 // The grid: its zero below all corners, its step the smallest power of two with which 16 bits reach the
 // farthest of them. Corners are in world units, above −1 and below 1.
 static double choose_grid(corners at, sagi_block *head, double zero[3]) {
@@ -92,16 +84,10 @@ static double choose_grid(corners at, sagi_block *head, double zero[3]) {
                 lo[j] = lo[j] < lo[j + half] ? lo[j] : lo[j + half];
                 hi[j] = hi[j] > hi[j + half] ? hi[j] : hi[j + half];
             }
-        const int32_t most = (1 << SAGI_GRID_BASE_BITS) - 1; // lo + 1 may be rounded to 2
-        int32_t base = (int32_t)((lo[0] + 1) * 0x1p20);
-        base = base < most ? base : most;
-        head->base |= (uint64_t)base << (k * SAGI_GRID_BASE_BITS);
-        zero[k] = (double)base * 0x1p-20 - 1;
+        zero[k] = sagi_grid_zero(head, k, lo[0]);
         extent = hi[0] - zero[k] > extent ? hi[0] - zero[k] : extent;
     }
-    int exponent = grid_exponent(extent);
-    head->exponent = (uint8_t)exponent;
-    return (double)((uint64_t)1 << exponent);
+    return sagi_grid_steps(head, extent);
 }
 
 // The byte that says how long edges are at most. (Lanes without a triangle have edges of 0.)
@@ -146,8 +132,12 @@ static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p,
 
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at) {
     const sagi_snapshot *s = snapshot;
-    switch (kind_of(s, primitives, count)) {
+    uint32_t geometry = primitives[0].geometry;
+    for (uint32_t i = 1; i < count; i++)
+        if (primitives[i].geometry != geometry) geometry = SAGI_BVH_MIXED;
+    switch (kind_of(s, geometry)) {
     case SAGI_BLOCK_TRIANGLES: write_triangles(s, primitives, count, at); break;
+    case SAGI_BLOCK_SPHERES: sagi_sphere_leaf_write(s, primitives, count, at); break;
     case SAGI_BLOCK_REFERENCES: write_references(primitives, count, at); break;
     }
 }

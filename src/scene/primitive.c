@@ -69,8 +69,7 @@ sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t 
     if (item->kind == SAG_SHAPE_SPHERES) {
         sag_vec3 center;
         double radius;
-        sagi_spheres_get(item->shape, primitive, &center, &radius);
-        if (!sag_is_finite(center) || !(radius > 0) || !isfinite(radius)) return SAGI_PRIMITIVE_NOT_FINITE;
+        if (!sagi_spheres_get(item->shape, primitive, &center, &radius)) return SAGI_PRIMITIVE_NOT_FINITE;
         own = sagi_sphere_bounds(center, radius);
     } else if (item->kind == SAG_SHAPE_USER) {
         const sag_user *user = item->shape;

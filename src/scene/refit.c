@@ -42,14 +42,14 @@ static bool refit_leaf(const refitter *r, uint32_t child, sagi_float_box *all) {
     const sagi_snapshot *s = r->snapshot;
     sagi_bvh_primitive primitives[SAGI_BVH_MAX_LEAF];
     const sagi_block *block = sagi_leaf(&s->world.tree, child);
-    uint32_t count = block->count;
+    uint32_t count = block->count, geometry = sagi_block_reference(block, 0).geometry;
     *all = sagi_float_box_empty();
     for (uint32_t i = 0; i < count; i++) {
         sagi_bvh_reference reference = sagi_block_reference(block, i);
         if (reference.primitive >= r->primitive_count || !measure(r, reference, &primitives[i])) return false;
         sagi_float_box_extend(all, primitives[i].lo, primitives[i].hi);
     }
-    size_t bytes = sagi_leaf_units(s, primitives[0].geometry, count) * SAGI_BVH_UNIT;
+    size_t bytes = sagi_leaf_units(s, geometry, count) * SAGI_BVH_UNIT;
     size_t there = sagi_block_bytes((sagi_block_kind)block->kind, count);
     if (bytes != (there + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT * SAGI_BVH_UNIT) return false;
     unsigned char *at = s->world.tree.leaves + (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT;

@@ -9,6 +9,7 @@
 #ifndef SAGI_SCENE_SCENE_H
 #define SAGI_SCENE_SCENE_H
 
+#include "kernel/block.h"
 #include "kernel/kernel.h"
 #include <stdatomic.h>
 #include <time.h>
@@ -127,6 +128,10 @@ bool sagi_snapshot_count_shared(sagi_snapshot *snapshot);
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry);
 uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count);
 void sagi_leaf_write(const void *snapshot, const sagi_bvh_primitive *primitives, uint32_t count, void *at);
+
+// The block of spheres of one set without a transform (sphere_leaves.c).
+void sagi_sphere_leaf_write(const sagi_snapshot *snapshot, const sagi_bvh_primitive *primitives,
+                            uint32_t count, sagi_block *block);
 
 // The corners of sagi_clipper (clip.c).
 bool sagi_primitive_corners(const void *snapshot, const sagi_bvh_primitive *primitive, double corner[3][3]);
