@@ -188,6 +188,20 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
 #endif
 #endif
 
+// The greatest of eight.
+SAGI_INLINE float sagi_f8_most(sagi_f8 a) {
+    sagi_f4 half = {a[4], a[5], a[6], a[7]}, other = {a[0], a[1], a[2], a[3]};
+    half = (sagi_f4)(((half > other) & (sagi_w4)half) | (~(half > other) & (sagi_w4)other));
+    float x = half[0] > half[1] ? half[0] : half[1], y = half[2] > half[3] ? half[2] : half[3];
+    return x > y ? x : y;
+}
+// Eight vectors of three as three of eight.
+SAGI_INLINE void sagi_f4_turn8(const sagi_f4 a[8], sagi_f8 *x, sagi_f8 *y, sagi_f8 *z) {
+    *x = (sagi_f8){a[0][0], a[1][0], a[2][0], a[3][0], a[4][0], a[5][0], a[6][0], a[7][0]};
+    *y = (sagi_f8){a[0][1], a[1][1], a[2][1], a[3][1], a[4][1], a[5][1], a[6][1], a[7][1]};
+    *z = (sagi_f8){a[0][2], a[1][2], a[2][2], a[3][2], a[4][2], a[5][2], a[6][2], a[7][2]};
+}
+
 // Appends (high << 32 | low) of the lanes in the mask to `to`, which must have room for eight. Their order is
 // no matter. Returns how many.
 SAGI_INLINE int sagi_append_pairs(uint64_t *to, uint32_t mask, sagi_i8 high, sagi_i8 low) {
