@@ -165,10 +165,12 @@ static inline bool triangle(question asked, level *here, const sagi_item *item, 
 static inline bool certain_triangle(question asked, level *here, const sagi_triangle_block *block,
                                     uint32_t lane) {
     const sagi_item *item = item_of(here, &block->head);
-    mesh_corners at = corners_of(item, block->primitive[lane]);
+    sagi_d4 corner[3];
+    sagi_mesh_corners(item->shape, block->primitive[lane], item->mirrored, corner);
     double t, u, v;
     SAGI_KERNEL_COUNT(solved);
-    if (!sagi_triangle_solve_here(here->ray, here->t_max, &at.a, &at.b, &at.c, &t, &u, &v)) return false;
+    if (!sagi_triangle_solve_here(here->ray, here->t_max, corner[0], corner[1], corner[2], &t, &u, &v))
+        return false;
     return accept(asked, here, block->head.geometry, block->primitive[lane], t, item->mirrored ? v : u,
                   item->mirrored ? u : v);
 }

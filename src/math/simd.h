@@ -79,6 +79,14 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
 SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) { return (sagi_f8)_mm256_sqrt_ps(a); }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_min_pd(a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_max_pd(a, b); }
+// Three numbers; the fourth lane holds anything.
+SAGI_INLINE sagi_d4 sagi_d4_load3(const double *p) {
+    return (sagi_d4)_mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(p)), _mm_load_sd(p + 2), 1);
+}
+SAGI_INLINE sagi_d4 sagi_d4_load3_float(const float *p) {
+    __m128 xy = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)p));
+    return (sagi_d4)_mm256_cvtps_pd(_mm_movelh_ps(xy, _mm_load_ss(p + 2)));
+}
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a); }
 SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) { // of any alignment
@@ -110,6 +118,8 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // 
 }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a < b, a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a > b, a, b); }
+SAGI_INLINE sagi_d4 sagi_d4_load3(const double *p) { return (sagi_d4){p[0], p[1], p[2], 0}; }
+SAGI_INLINE sagi_d4 sagi_d4_load3_float(const float *p) { return (sagi_d4){p[0], p[1], p[2], 0}; }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) {
     return (sagi_f4){(float)a[0], (float)a[1], (float)a[2], (float)a[3]};
 }

@@ -4,6 +4,7 @@
 #ifndef SAGI_SHAPES_MESH_H
 #define SAGI_SHAPES_MESH_H
 
+#include "math/simd.h"
 #include "shapes/triangle.h"
 #include <sagitta/shapes.h>
 
@@ -19,6 +20,18 @@ static inline sag_vec3 sagi_mesh_vertex(const sag_mesh *mesh, uint32_t vertex) {
 static inline void sagi_mesh_triangle(const sag_mesh *mesh, uint32_t i, sag_vec3 out[3]) {
     const uint32_t *corner = &mesh->triangles[3 * (size_t)i];
     for (int k = 0; k < 3; k++) out[k] = sagi_mesh_vertex(mesh, corner[k]);
+}
+
+// The same with the second and third in the other order if `mirrored`, in vectors whose fourth places hold
+// anything.
+SAGI_INLINE void sagi_mesh_corners(const sag_mesh *mesh, uint32_t i, bool mirrored, sagi_d4 out[3]) {
+    const uint32_t *corner = &mesh->triangles[3 * (size_t)i];
+    const size_t at[3] = {3 * (size_t)corner[0], 3 * (size_t)corner[1 + mirrored],
+                          3 * (size_t)corner[2 - mirrored]};
+    if (__builtin_expect(mesh->positions_f64 != NULL, 0))
+        for (int k = 0; k < 3; k++) out[k] = sagi_d4_load3(mesh->positions_f64 + at[k]);
+    else
+        for (int k = 0; k < 3; k++) out[k] = sagi_d4_load3_float(mesh->positions_f32 + at[k]);
 }
 
 // Why a triangle is not there, if it is not.

@@ -91,21 +91,26 @@ static SAGI_COLD bool solve_carefully(const sagi_triangle_ray *ray, const sag_ve
     return accept(ray, sagi_dd_to_double(sagi_dd_div(numerator, denominator)), beta, gamma, t, u, v);
 }
 
-SAGI_NOINLINE double sagi_triangle_residual(const sag_vec3 *o, const sag_vec3 *d, const sag_vec3 *a,
-                                            const sag_vec3 *b, const sag_vec3 *c, double t) {
-    dd3 ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a), n = dd3_cross(&ab, &ac), p = dd3_diff(*a, *o);
-    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, d->x));
-    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, d->y));
-    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, d->z));
+static sag_vec3 vec3_of(sagi_d4 a) { return sag_vec3_make(a[0], a[1], a[2]); }
+static sagi_d4 lanes_of(sag_vec3 a) { return (sagi_d4){a.x, a.y, a.z, 0}; }
+
+SAGI_NOINLINE double sagi_triangle_residual(const sagi_solve1_pair *of, double t) {
+    sag_vec3 a = vec3_of(of->a), d = vec3_of(of->d);
+    dd3 ab = dd3_diff(vec3_of(of->b), a), ac = dd3_diff(vec3_of(of->c), a), n = dd3_cross(&ab, &ac);
+    dd3 p = dd3_diff(a, vec3_of(of->o));
+    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, d.x));
+    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, d.y));
+    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, d.z));
     return sagi_dd_to_double(dd3_dot(&n, &p));
 }
 
 bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                          const sag_vec3 *c, double *t, double *u, double *v) {
+    sagi_solve1_pair of = {lanes_of(ray->o), lanes_of(ray->d), lanes_of(*a), lanes_of(*b), lanes_of(*c)};
     // In scaled directions times are others: then only the end decides.
     double t_min = ray->exponent == 0 ? ray->t_min : -INFINITY, value, beta, gamma;
     double t_max = ray->exponent == 0 ? ray->t_max : INFINITY;
-    switch (sagi_triangle_step(&ray->o, &ray->d, ray->d1, t_min, t_max, a, b, c, &value, &beta, &gamma)) {
+    switch (sagi_triangle_step(&of, t_min, t_max, &value, &beta, &gamma)) {
     case SAGI_SOLVED_MISS: return false;
     case SAGI_SOLVED_HIT: return accept(ray, value, beta, gamma, t, u, v);
     case SAGI_SOLVED_NOT: break;
@@ -113,9 +118,10 @@ bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const 
     return solve_carefully(ray, a, b, c, t, u, v);
 }
 
-bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sag_vec3 *a, const sag_vec3 *b,
-                             const sag_vec3 *c, double *t, double *u, double *v) {
+bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sagi_d4 corner[3], double *t, double *u,
+                             double *v) {
     sagi_triangle_ray prepared = sagi_triangle_prepare(ray);
     prepared.t_max = t_max;
-    return sagi_triangle_solve(&prepared, a, b, c, t, u, v);
+    sag_vec3 a = vec3_of(corner[0]), b = vec3_of(corner[1]), c = vec3_of(corner[2]);
+    return sagi_triangle_solve(&prepared, &a, &b, &c, t, u, v);
 }

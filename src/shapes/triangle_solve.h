@@ -40,28 +40,85 @@
 
 static inline double sagi_larger(double a, double b) { return a > b ? a : b; }
 
-#define REAL                   double
-#define MASK                   int
-#define STEP(name)             sagi_solve1_##name
-#define ABS                    fabs
-#define MAX                    sagi_larger
-#define PRODUCT_ERROR(a, b, p) sagi_two_prod(a, b).lo
+#define REAL       double
+#define MASK       bool
+#define STEP(name) sagi_solve1_##name
+#define ABS        fabs
+typedef sagi_d4 sagi_solve1_vec3; // the fourth place holds anything
+SAGI_INLINE sagi_d4 sagi_solve1_add(sagi_d4 a, sagi_d4 b) { return a + b; }
+SAGI_INLINE sagi_d4 sagi_solve1_sub(sagi_d4 a, sagi_d4 b) { return a - b; }
+SAGI_INLINE sagi_d4 sagi_solve1_mul(sagi_d4 a, sagi_d4 b) { return a * b; }
+SAGI_INLINE sagi_d4 sagi_solve1_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_max(a, b); }
+SAGI_INLINE sagi_d4 sagi_solve1_abs(sagi_d4 a) { return sagi_d4_abs(a); }
+SAGI_INLINE sagi_d4 sagi_solve1_turn(sagi_d4 a) { return SAGI_D4_SHUFFLE2(a, a, 1, 2, 0, 3); }
+SAGI_INLINE sagi_d4 sagi_solve1_raise(sagi_d4 a, double by) { return a + sagi_d4_fill(by); }
+SAGI_INLINE sagi_d4 sagi_solve1_scale(double s, sagi_d4 a) { return sagi_d4_fill(s) * a; }
+SAGI_INLINE sagi_d4 sagi_solve1_product_error(double s, sagi_d4 a, sagi_d4 product) {
+    return sagi_d4_product_error(sagi_d4_fill(s), a, product);
+}
+SAGI_INLINE double sagi_solve1_largest(sagi_d4 a) { return sagi_larger(a[0], sagi_larger(a[1], a[2])); }
+SAGI_INLINE void sagi_solve1_sum2(sagi_d4 a, sagi_d4 b, double sum[2]) {
+    sagi_d4 xz = SAGI_D4_SHUFFLE2(a, b, 0, 4, 2, 6), y = SAGI_D4_SHUFFLE2(a, b, 1, 5, 3, 7), xy = xz + y;
+    sagi_d4 all = xy + SAGI_D4_SHUFFLE2(xz, xz, 2, 3, 2, 3);
+    sum[0] = all[0], sum[1] = all[1];
+}
+SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, double sum[4]) {
+    sagi_d4 xz1 = SAGI_D4_SHUFFLE2(a, b, 0, 4, 2, 6), xy1 = xz1 + SAGI_D4_SHUFFLE2(a, b, 1, 5, 3, 7);
+    sagi_d4 xz2 = SAGI_D4_SHUFFLE2(c, d, 0, 4, 2, 6), xy2 = xz2 + SAGI_D4_SHUFFLE2(c, d, 1, 5, 3, 7);
+    sagi_d4 all = SAGI_D4_SHUFFLE2(xy1, xy2, 0, 1, 4, 5) + SAGI_D4_SHUFFLE2(xz1, xz2, 2, 3, 6, 7);
+    for (int i = 0; i < 4; i++) sum[i] = all[i];
+}
 #include "shapes/triangle_step.inl"
 
-#define REAL                   sagi_d4
-#define MASK                   sagi_l4
-#define STEP(name)             sagi_solve4_##name
-#define ABS                    sagi_d4_abs
-#define MAX                    sagi_d4_max
-#define PRODUCT_ERROR(a, b, p) sagi_d4_product_error(a, b, p)
+#define REAL       sagi_d4
+#define MASK       sagi_l4
+#define STEP(name) sagi_solve4_##name
+#define ABS        sagi_d4_abs
+typedef struct sagi_solve4_vec3 {
+    sagi_d4 x, y, z;
+} sagi_solve4_vec3;
+typedef sagi_solve4_vec3 sagi_d4x3;
+SAGI_INLINE sagi_d4x3 sagi_solve4_add(sagi_d4x3 a, sagi_d4x3 b) {
+    return (sagi_d4x3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_sub(sagi_d4x3 a, sagi_d4x3 b) {
+    return (sagi_d4x3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_mul(sagi_d4x3 a, sagi_d4x3 b) {
+    return (sagi_d4x3){a.x * b.x, a.y * b.y, a.z * b.z};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_max(sagi_d4x3 a, sagi_d4x3 b) {
+    return (sagi_d4x3){sagi_d4_max(a.x, b.x), sagi_d4_max(a.y, b.y), sagi_d4_max(a.z, b.z)};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_abs(sagi_d4x3 a) {
+    return (sagi_d4x3){sagi_d4_abs(a.x), sagi_d4_abs(a.y), sagi_d4_abs(a.z)};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_turn(sagi_d4x3 a) { return (sagi_d4x3){a.y, a.z, a.x}; }
+SAGI_INLINE sagi_d4x3 sagi_solve4_raise(sagi_d4x3 a, sagi_d4 by) {
+    return (sagi_d4x3){a.x + by, a.y + by, a.z + by};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_scale(sagi_d4 s, sagi_d4x3 a) {
+    return (sagi_d4x3){s * a.x, s * a.y, s * a.z};
+}
+SAGI_INLINE sagi_d4x3 sagi_solve4_product_error(sagi_d4 s, sagi_d4x3 a, sagi_d4x3 product) {
+    return (sagi_d4x3){sagi_d4_product_error(s, a.x, product.x), sagi_d4_product_error(s, a.y, product.y),
+                       sagi_d4_product_error(s, a.z, product.z)};
+}
+SAGI_INLINE sagi_d4 sagi_solve4_largest(sagi_d4x3 a) { return sagi_d4_max(a.x, sagi_d4_max(a.y, a.z)); }
+SAGI_INLINE void sagi_solve4_sum2(sagi_d4x3 a, sagi_d4x3 b, sagi_d4 sum[2]) {
+    sum[0] = (a.x + a.y) + a.z, sum[1] = (b.x + b.y) + b.z;
+}
+SAGI_INLINE void sagi_solve4_sum4(sagi_d4x3 a, sagi_d4x3 b, sagi_d4x3 c, sagi_d4x3 d, sagi_d4 sum[4]) {
+    sagi_solve4_sum2(a, b, sum), sagi_solve4_sum2(c, d, sum + 2);
+}
 #include "shapes/triangle_step.inl"
 
 // Step 2: n · P in double-doubles.
-double sagi_triangle_residual(const sag_vec3 *o, const sag_vec3 *d, const sag_vec3 *a, const sag_vec3 *b,
-                              const sag_vec3 *c, double t);
-// sagi_triangle_solve for a ray that is not prepared, and with another t_max.
-bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sag_vec3 *a, const sag_vec3 *b,
-                             const sag_vec3 *c, double *t, double *u, double *v);
+double sagi_triangle_residual(const sagi_solve1_pair *of, double t);
+// sagi_triangle_solve for a ray that is not prepared, and with another t_max; the corners' fourth places hold
+// anything. (Vectors do not go from file to file by value: how depends on the instruction set.)
+bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sagi_d4 corner[3], double *t, double *u,
+                             double *v);
 
 // The weights as they are handed out: u, v ≥ 0, u + v ≤ 1.
 static inline void sagi_triangle_confine(double beta, double gamma, double *u, double *v) {
@@ -70,50 +127,41 @@ static inline void sagi_triangle_confine(double beta, double gamma, double *u, d
     *v = gamma > 0 ? (gamma < room ? gamma : room) : 0;
 }
 
-typedef enum sagi_solved { SAGI_SOLVED_MISS, SAGI_SOLVED_HIT, SAGI_SOLVED_NOT } sagi_solved;
-
 // Steps 1 and 2: *t, *beta and *gamma for SAGI_SOLVED_HIT, which does not say that t is in range.
-SAGI_INLINE sagi_solved sagi_triangle_step(const sag_vec3 *o, const sag_vec3 *d, double d1, double t_min,
-                                           double t_max, const sag_vec3 *a, const sag_vec3 *b,
-                                           const sag_vec3 *c, double *t, double *beta, double *gamma) {
-    sagi_solve1_pair of = {.o = {o->x, o->y, o->z},
-                           .d = {d->x, d->y, d->z},
-                           .a = {a->x, a->y, a->z},
-                           .b = {b->x, b->y, b->z},
-                           .c = {c->x, c->y, c->z},
-                           .d1 = d1,
-                           .t_min = t_min,
-                           .t_max = t_max};
+typedef enum sagi_solved { SAGI_SOLVED_MISS, SAGI_SOLVED_HIT, SAGI_SOLVED_NOT } sagi_solved;
+SAGI_INLINE sagi_solved sagi_triangle_step(const sagi_solve1_pair *of, double t_min, double t_max, double *t,
+                                           double *beta, double *gamma) {
     sagi_solve1_step s;
-    sagi_solve1_estimate(&of, &s);
-    if (!s.usual) return SAGI_SOLVED_NOT;
-    if (s.outside) return SAGI_SOLVED_MISS;
-    sagi_solve1_improve(&of, &s);
-    if (!s.near) {
-        s.step = sagi_triangle_residual(o, d, a, b, c, s.estimate) * s.inverse;
-        s.step_error = 0x1p-100 * s.p_sum * s.scale;
+    if (!sagi_solve1_estimate(of, &s)) return SAGI_SOLVED_NOT;
+    if (sagi_solve1_outside(&s, t_min, t_max)) return SAGI_SOLVED_MISS;
+    if (!sagi_solve1_improve(of, &s)) {
+        const sagi_solve1_pair pair = *of; // so that the other one need not be in memory
+        s.step = sagi_triangle_residual(&pair, s.estimate) * s.inverse;
+        if (!sagi_solve1_take(&s, 0x1p-100 * s.p_sum * s.scale)) return SAGI_SOLVED_NOT;
     }
-    sagi_solve1_conclude(&of, &s);
-    if (!s.good) return SAGI_SOLVED_NOT;
+    if (!sagi_solve1_conclude(of, &s)) return SAGI_SOLVED_NOT;
     *t = s.t, *beta = s.u, *gamma = s.v;
     return SAGI_SOLVED_HIT;
 }
 
 // sagi_triangle_solve_ray, for kernels.
-SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, const sag_vec3 *a,
-                                          const sag_vec3 *b, const sag_vec3 *c, double *t, double *u,
-                                          double *v) {
-    double x = fabs(ray->direction.x), y = fabs(ray->direction.y), z = fabs(ray->direction.z);
-    double largest = sagi_larger(sagi_larger(x, y), z), value, beta, gamma;
-    if (!(largest >= SAGI_TRIANGLE_SHORT && largest <= SAGI_TRIANGLE_LONG))
-        return sagi_triangle_solve_ray(ray, t_max, a, b, c, t, u, v);
-    switch (sagi_triangle_step(&ray->origin, &ray->direction, x + y + z, ray->t_min, t_max, a, b, c, &value,
-                               &beta, &gamma)) {
-    case SAGI_SOLVED_MISS: return false;
-    case SAGI_SOLVED_NOT: return sagi_triangle_solve_ray(ray, t_max, a, b, c, t, u, v);
-    case SAGI_SOLVED_HIT: break;
+SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, sagi_d4 a, sagi_d4 b, sagi_d4 c,
+                                          double *t, double *u, double *v) {
+    // The fourth places are parts of the ray, too.
+    sagi_solve1_pair of = {.o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin)),
+                           .d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)),
+                           .a = a,
+                           .b = b,
+                           .c = c};
+    double largest = sagi_solve1_largest(sagi_d4_abs(of.d)), value, beta, gamma;
+    sagi_solved solved = SAGI_SOLVED_NOT;
+    if (largest >= SAGI_TRIANGLE_SHORT && largest <= SAGI_TRIANGLE_LONG)
+        solved = sagi_triangle_step(&of, ray->t_min, t_max, &value, &beta, &gamma);
+    if (__builtin_expect(solved == SAGI_SOLVED_NOT, 0)) {
+        const sagi_d4 corner[3] = {a, b, c};
+        return sagi_triangle_solve_ray(ray, t_max, corner, t, u, v);
     }
-    if (!(value >= ray->t_min && value <= t_max)) return false;
+    if (solved == SAGI_SOLVED_MISS || !(value >= ray->t_min && value <= t_max)) return false;
     *t = value;
     sagi_triangle_confine(beta, gamma, u, v);
     return true;
@@ -127,18 +175,15 @@ typedef struct sagi_triangle_four {
     sagi_d4 t, u, v;      // what is found
 } sagi_triangle_four;
 
-SAGI_INLINE sag_vec3 sagi_vec3_of(sagi_d4 a) { return sag_vec3_make(a[0], a[1], a[2]); }
-
 // Rows to columns; the fourth of these to *rest.
-SAGI_INLINE sagi_solve4_vec3 sagi_d4_columns(const sagi_d4 row[4], sagi_d4 *rest) {
-    sagi_d4 xz01 = SAGI_D4_SHUFFLE2(row[0], row[1], 0, 4, 2, 6),
-            yw01 = SAGI_D4_SHUFFLE2(row[0], row[1], 1, 5, 3, 7);
-    sagi_d4 xz23 = SAGI_D4_SHUFFLE2(row[2], row[3], 0, 4, 2, 6),
-            yw23 = SAGI_D4_SHUFFLE2(row[2], row[3], 1, 5, 3, 7);
-    *rest = SAGI_D4_SHUFFLE2(yw01, yw23, 2, 3, 6, 7);
-    return (sagi_solve4_vec3){SAGI_D4_SHUFFLE2(xz01, xz23, 0, 1, 4, 5),
-                              SAGI_D4_SHUFFLE2(yw01, yw23, 0, 1, 4, 5),
-                              SAGI_D4_SHUFFLE2(xz01, xz23, 2, 3, 6, 7)};
+SAGI_INLINE sagi_d4x3 sagi_d4_columns(const sagi_d4 row[4], sagi_d4 *rest) {
+    sagi_d4 xz1 = SAGI_D4_SHUFFLE2(row[0], row[1], 0, 4, 2, 6);
+    sagi_d4 xz2 = SAGI_D4_SHUFFLE2(row[2], row[3], 0, 4, 2, 6);
+    sagi_d4 yw1 = SAGI_D4_SHUFFLE2(row[0], row[1], 1, 5, 3, 7);
+    sagi_d4 yw2 = SAGI_D4_SHUFFLE2(row[2], row[3], 1, 5, 3, 7);
+    *rest = SAGI_D4_SHUFFLE2(yw1, yw2, 2, 3, 6, 7);
+    return (sagi_d4x3){SAGI_D4_SHUFFLE2(xz1, xz2, 0, 1, 4, 5), SAGI_D4_SHUFFLE2(yw1, yw2, 0, 1, 4, 5),
+                       SAGI_D4_SHUFFLE2(xz1, xz2, 2, 3, 6, 7)};
 }
 
 // sagi_triangle_solve_ray for those in `lanes`, bit 0 being the first; returns those whose t is in range. t,
@@ -151,45 +196,31 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
         const char *ray = (const char *)four->ray[lanes >> i & 1 ? i : any];
         row[0][i] = sagi_d4_load(ray), row[1][i] = sagi_d4_load(ray + sizeof(sagi_d4));
     }
-    sagi_solve4_pair of = {.t_max = four->t_max};
+    sagi_solve4_pair of;
     of.o = sagi_d4_columns(row[0], &of.d.x);
-    sagi_solve4_vec3 rest = sagi_d4_columns(row[1], &unused);
-    of.d.y = rest.x, of.d.z = rest.y, of.t_min = rest.z;
+    sagi_d4x3 rest = sagi_d4_columns(row[1], &unused);
+    of.d.y = rest.x, of.d.z = rest.y;
     of.a = sagi_d4_columns(four->corner[0], &unused);
     of.b = sagi_d4_columns(four->corner[1], &unused);
     of.c = sagi_d4_columns(four->corner[2], &unused);
-    sagi_solve4_vec3 size = sagi_solve4_abs(of.d);
-    sagi_d4 largest = sagi_d4_max(sagi_d4_max(size.x, size.y), size.z);
-    of.d1 = sagi_solve4_sum(size);
+    sagi_d4 largest = sagi_solve4_largest(sagi_solve4_abs(of.d));
+    sagi_l4 good = (largest >= SAGI_TRIANGLE_SHORT) & (largest <= SAGI_TRIANGLE_LONG);
 
     sagi_solve4_step s;
-    sagi_solve4_estimate(&of, &s);
-    s.usual &= (largest >= SAGI_TRIANGLE_SHORT) & (largest <= SAGI_TRIANGLE_LONG);
-    uint32_t usual = lanes & sagi_d4_signs((sagi_d4)s.usual),
-             outside = usual & sagi_d4_signs((sagi_d4)s.outside);
-    sagi_solve4_improve(&of, &s);
-    for (uint32_t far = usual & ~(outside | sagi_d4_signs((sagi_d4)s.near)); far != 0; far &= far - 1) {
-        const int i = __builtin_ctz(far);
-        sag_vec3 a = sagi_vec3_of(four->corner[0][i]), b = sagi_vec3_of(four->corner[1][i]),
-                 c = sagi_vec3_of(four->corner[2][i]);
-        const sag_ray *ray = four->ray[i];
-        s.step[i] =
-            sagi_triangle_residual(&ray->origin, &ray->direction, &a, &b, &c, s.estimate[i]) * s.inverse[i];
-        s.step_error[i] = 0x1p-100 * s.p_sum[i] * s.scale[i];
-    }
-    sagi_solve4_conclude(&of, &s);
+    good &= sagi_solve4_estimate(&of, &s);
+    good &= sagi_solve4_improve(&of, &s);
+    good &= sagi_solve4_conclude(&of, &s);
     const sagi_d4 zero = sagi_d4_fill(0), one = sagi_d4_fill(1);
     four->t = s.t;
     four->u = sagi_d4_min(sagi_d4_max(s.u, zero), one);
     four->v = sagi_d4_min(sagi_d4_max(s.v, zero), one - four->u);
-    uint32_t good = usual & sagi_d4_signs((sagi_d4)s.good);
-    uint32_t hit = good & ~outside & sagi_d4_signs((sagi_d4)((s.t >= of.t_min) & (s.t <= of.t_max)));
-    for (uint32_t left = lanes & ~(good | outside); left != 0; left &= left - 1) {
+    uint32_t hit = lanes & sagi_d4_signs((sagi_d4)(good & (s.t >= rest.z) & (s.t <= four->t_max)));
+    uint32_t left = lanes & ~sagi_d4_signs((sagi_d4)good);
+    for (; __builtin_expect(left != 0, 0); left &= left - 1) {
         const int i = __builtin_ctz(left);
-        sag_vec3 a = sagi_vec3_of(four->corner[0][i]), b = sagi_vec3_of(four->corner[1][i]),
-                 c = sagi_vec3_of(four->corner[2][i]);
+        const sagi_d4 corner[3] = {four->corner[0][i], four->corner[1][i], four->corner[2][i]};
         double t, u, v;
-        if (!sagi_triangle_solve_ray(four->ray[i], four->t_max[i], &a, &b, &c, &t, &u, &v)) continue;
+        if (!sagi_triangle_solve_ray(four->ray[i], four->t_max[i], corner, &t, &u, &v)) continue;
         four->t[i] = t, four->u[i] = u, four->v[i] = v;
         hit |= 1U << i;
     }
