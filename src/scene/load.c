@@ -16,8 +16,8 @@ typedef struct reader {
     void *user;
     uint64_t offset, bytes; // of the whole file
     sag_error *error;
-    sagi_cell **cells; // of the scenes so far
-    uint32_t count, capacity;
+    sagi_cell **cells;                     // of the scenes so far
+    uint32_t count, capacity, scene_count; // of cells, and of scenes in the file
 } reader;
 
 static sag_status wrong(reader *r, const char *what) {
@@ -272,23 +272,37 @@ static sag_status get_file_head(reader *r, uint64_t limit) {
     // Six sections are the least that a scene has.
     if (head.scene_count == 0 || head.bytes / (6 * sizeof(sagi_file_section)) < head.scene_count)
         return wrong(r, "an impossible number of scenes");
-    r->offset = sizeof head, r->bytes = head.bytes, r->capacity = head.scene_count;
+    r->offset = sizeof head, r->bytes = head.bytes, r->scene_count = head.scene_count;
     return SAG_OK;
 }
 
-// Scene after scene. Of all but the last only the cell stays, which instances share.
+// Keeps a scene's cell, which instances in later ones share. Room grows as scenes come, not as they are
+// announced.
+static bool keep_cell(reader *r, sagi_cell *cell) {
+    if (r->count == r->capacity) {
+        uint32_t capacity = r->capacity < r->scene_count / 2 ? 2 * r->capacity + 1 : r->scene_count;
+        sagi_cell **grown = sag_allocate(r->context, capacity * sizeof *grown);
+        if (grown == NULL) return false;
+        if (r->count > 0) memcpy(grown, r->cells, r->count * sizeof *grown);
+        sag_release(r->context, r->cells, r->capacity * sizeof *grown);
+        r->cells = grown, r->capacity = capacity;
+    }
+    r->cells[r->count++] = sagi_cell_retain(cell);
+    return true;
+}
+
 static sag_status get_scenes(reader *r, sag_scene **out) {
-    while (r->count < r->capacity) {
+    while (r->count < r->scene_count) {
         sag_scene *scene = sag_scene_create((sag_context *)(uintptr_t)r->context);
         sag_status status = scene != NULL ? get_scene(r, scene) : no_memory(r);
-        if (status == SAG_OK && r->count + 1 == r->capacity && r->offset != r->bytes)
+        if (status == SAG_OK && r->count + 1 == r->scene_count && r->offset != r->bytes)
             status = wrong(r, "the file goes on after its end");
+        if (status == SAG_OK && !keep_cell(r, scene->cell)) status = no_memory(r);
         if (status != SAG_OK) {
             sag_scene_destroy(scene);
             return status;
         }
-        r->cells[r->count++] = sagi_cell_retain(scene->cell);
-        if (r->count == r->capacity)
+        if (r->count == r->scene_count)
             *out = scene;
         else
             sag_scene_destroy(scene);
@@ -300,14 +314,11 @@ sag_status sagi_scene_read(sag_context *context, sag_read_callback read, void *u
                            sag_scene **out, sag_error *error) {
     double begin = sagi_seconds();
     reader r = {.context = context, .read = read, .user = user, .error = error};
-    sag_status status = get_file_head(&r, limit);
-    if (status != SAG_OK) return status;
-    uint32_t count = r.capacity;
     sag_scene *scene = NULL;
-    r.cells = sag_allocate(context, count * sizeof *r.cells);
-    status = r.cells != NULL ? get_scenes(&r, &scene) : no_memory(&r);
+    sag_status status = get_file_head(&r, limit);
+    if (status == SAG_OK) status = get_scenes(&r, &scene);
     for (uint32_t i = 0; i < r.count; i++) sagi_cell_release(r.cells[i]);
-    sag_release(context, r.cells, count * sizeof *r.cells);
+    sag_release(context, r.cells, r.capacity * sizeof *r.cells);
     if (status != SAG_OK) return status;
     scene->cell->current->stats.build_seconds = sagi_seconds() - begin;
     *out = scene;
