@@ -118,7 +118,8 @@ static inline void finish(sagi_float_ray *out, const sag_ray *ray, double enter,
     out->error = delta + 0x1p-49 * (fabs(enter) + fabs(leave) + largest_of_three(sagi_d4_abs(out->p)) + 3);
 }
 
-// For a ray so far away (2¹⁰⁰ times the scene's size) that doubles say nothing about it: nothing is culled.
+// For a ray so far away (2¹⁰⁰ times the scene's size) or with so long a direction that doubles say nothing
+// about it: nothing is culled.
 static inline void make_blind(sagi_float_ray *out) {
     for (int k = 0; k < 3; k++) {
         out->near_scale[k] = out->far_scale[k] = 1;
@@ -160,6 +161,11 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
     double down[2] = {power_of_two(-half), power_of_two(-rest)};
     out->unit[0] = power_of_two(half), out->unit[1] = power_of_two(rest), out->unit[2] = world->scale;
     out->start = 0;
+    // Directions so long that times are subnormal numbers: those are rounded by more than all of the bounds.
+    if (scaled_time(out, 0x1p-1074) > 0x1p-72) {
+        make_blind(out);
+        return true;
+    }
 
     double q[3], direction[3], spread = 0;
     for (int k = 0; k < 3; k++) {

@@ -323,12 +323,36 @@ static void culling_loses_nothing(void **state) {
     assert_true(hits > soak(60) * 30);
 }
 
+// A direction so long that t is a subnormal number, which rounds it to t_max: the filters took the triangle
+// for too far away.
+static void subnormal_times(void **state) {
+    (void)state;
+    sag_vec3 p[3] = {{0x1.e34p-24, 0x1.9d8p-25, 0x1.9d8p-25},
+                     {0x1.e34p-24, 0x1.8ecp-24, 0x1.9d8p-25},
+                     {0x1.e34p-24, 0x1.9d8p-25, 0x1.8ecp-24}};
+    const uint32_t corners[3] = {0, 1, 2};
+    sag_mesh mesh = {.positions_f64 = &p[0].x, .vertex_count = 3, .triangles = corners, .triangle_count = 1};
+    sag_scene *scene = scene_of(&mesh);
+    sag_ray ray = {.origin = {0x1.e3400000011afp-24, 0x1.43c298fc8deb8p-24, 0x1.c4cd3191322a3p-25},
+                   .direction = {-0x1.d18549030fdcdp+992, -0x1.c3a368ef1f2abp+993, -0x1.48db5b71f62b5p+991},
+                   .t_min = 0x0.0000000026e6p-1022,
+                   .t_max = 0x0.0000000026e6p-1022};
+    sag_triangle alone = {p[0], p[1], p[2], false};
+    sag_hit hit, expected;
+    assert_true(sag_triangle_hit(&alone, &ray, &expected));
+    assert_true(sag_intersect(scene, &ray, &hit));
+    assert_memory_equal(&hit.t, &expected.t, sizeof hit.t);
+    assert_true(sag_occluded(scene, &ray));
+    sag_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(embree_small_triangle_hit),
         cmocka_unit_test(tinybvh_283),
         cmocka_unit_test(tinybvh_192),
         cmocka_unit_test(trimesh_2524),
+        cmocka_unit_test(subnormal_times),
         cmocka_unit_test(open3d_5669),
         cmocka_unit_test(one_sided_meshes_contain),
         cmocka_unit_test(ifc_lite_3561),
