@@ -10,7 +10,7 @@
 #include "kernel/ray.h"
 #include "shapes/common.h"
 #include "shapes/mesh.h"
-#include "shapes/sphere.h"
+#include "shapes/sphere_solve.h"
 #include "shapes/spheres.h"
 #include "shapes/triangle_solve.h"
 #include "shapes/user.h"

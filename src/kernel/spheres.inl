@@ -83,13 +83,9 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
 // One sphere by itself.
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane) {
     const uint32_t primitive = sagi_sphere_primitives(block)[lane];
-    sag_ray ray = *here->ray;
-    sag_vec3 center;
-    double radius, t[2];
-    ray.t_max = here->t_max;
-    sagi_spheres_get(item_of(here, block)->shape, primitive, &center, &radius);
-    int found = asked == ALL ? sagi_sphere_crossings(center, radius, &ray, t)
-                             : sagi_sphere_hit(center, radius, &ray, t);
+    double t[2];
+    sagi_d4 at = sagi_spheres_load(item_of(here, block)->shape, primitive);
+    int found = sagi_sphere_solve(at, here->ray, here->t_max, asked != ALL, t);
     for (int i = 0; i < found; i++)
         if (accept(asked, here, block->geometry, primitive, t[i], 0, 0)) return true;
     return false;

@@ -3,6 +3,7 @@
 #ifndef SAGI_SHAPES_SPHERES_H
 #define SAGI_SHAPES_SPHERES_H
 
+#include "math/simd.h"
 #include "shapes/sphere.h"
 
 // Sphere number i < count; false when it is not finite or has no positive radius, and so is not there.
@@ -15,6 +16,16 @@ static inline bool sagi_spheres_get(const sag_spheres *s, uint32_t i, sag_vec3 *
     *radius = s->radii_f32 ? s->radii_f32[i] : s->radius;
     return fabs(center->x) <= SAG_MAX_COORDINATE && fabs(center->y) <= SAG_MAX_COORDINATE &&
            fabs(center->z) <= SAG_MAX_COORDINATE && *radius > 0 && *radius <= SAG_MAX_COORDINATE;
+}
+
+// The same as the lanes of a vector, of a sphere that is known to be there.
+SAGI_INLINE sagi_d4 sagi_spheres_load(const sag_spheres *s, uint32_t i) {
+    size_t at = (size_t)i * 3;
+    double radius = s->radii_f32 ? (double)s->radii_f32[i] : s->radius;
+    if (s->centers_f64)
+        return (sagi_d4){s->centers_f64[at], s->centers_f64[at + 1], s->centers_f64[at + 2], radius};
+    return (sagi_d4){(double)s->centers_f32[at], (double)s->centers_f32[at + 1],
+                     (double)s->centers_f32[at + 2], radius};
 }
 
 #endif
