@@ -5,6 +5,8 @@
 #   make            build build/release/sagitta
 #   make demo       build, render examples/showcase.pbrt to showcase.png
 #   make check      build with warnings as errors (gcc and clang), run every test
+#   make soak       every random test again with twenty times the rays (SOAK=20), slowly
+#   make check-neon the core library for 64-bit ARM under qemu-user: the same bits
 #   make lint       formatting, static analysis, the project's own rules
 #   make bench      measure building and tracing, beside Embree; BENCH="--help" tells what can be chosen
 #   make install    to PREFIX (/usr/local), below DESTDIR when that is set
@@ -33,7 +35,19 @@ demo: all
 check: deps-test build/check build/clang
 	cmake --build build/check
 	cmake --build build/clang
+	@scripts/neon.sh build/neon || [ $$? = 77 ]
 	@scripts/run-tests.sh build/check build/clang
+
+# In a build of its own, whose tests may take as long as they like.
+SOAK ?= 20
+soak: deps-test
+	cmake --preset release -B build/soak -DSAGITTA_REQUIRE_TESTS=ON -DSAGITTA_TEST_TIMEOUT=86400 >/dev/null
+	cmake --build build/soak
+	SAGITTA_SOAK=$(SOAK) ctest --test-dir build/soak -R '^(oracle|unit|isa)/' -j "$$(getconf _NPROCESSORS_ONLN)" --output-on-failure
+
+check-neon:
+	@scripts/deps.sh cross || echo "No cross compiler to be had."
+	@scripts/neon.sh build/neon || [ $$? = 77 ]
 
 lint: deps-lint build/check build/clang
 	cmake --build build/check
@@ -59,4 +73,4 @@ build/clang: FORCE
 	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DSAGITTA_BENCH=ON -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ >/dev/null
 FORCE:
 
-.PHONY: all deps deps-build deps-test deps-lint demo check lint bench install clean FORCE
+.PHONY: all deps deps-build deps-test deps-lint demo check soak check-neon lint bench install clean FORCE
