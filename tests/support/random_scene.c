@@ -113,9 +113,28 @@ static void compare_ray(const sag_scene *a, const sag_scene *b, const sag_ray *r
     if (met) assert_same_hits(&first, &other);
 }
 
+// A camera's rays, as a batch in one scene and one by one in the other.
+static void compare_batches(const sag_scene *a, const sag_scene *b, rng *r, double size) {
+    sag_ray rays[64];
+    sag_hit hits[64], hit;
+    sag_vec3 eye = rng_vec3(r, 5 * size), side = sag_scale(rng_direction(r), 0.3 * size);
+    sag_vec3 up = sag_scale(rng_direction(r), 0.3 * size), at = rng_vec3(r, size);
+    for (int i = 0; i < 64; i++) {
+        sag_vec3 target = sag_madd(sag_madd(at, i % 8 - 4, side), i / 8 - 4, up);
+        rays[i] = sag_ray_make(eye, sag_sub(target, eye));
+    }
+    sag_intersect_batch(a, rays, hits, 64);
+    for (int i = 0; i < 64; i++) {
+        bool met = sag_intersect(b, &rays[i], &hit);
+        assert_int_equal(hits[i].geometry != SAG_INVALID_ID, met);
+        if (met) assert_same_hits(&hits[i], &hit);
+    }
+}
+
 void assert_same_answers(const sag_scene *a, const sag_scene *b, rng *r, size_t rays, double size) {
     sag_box3 x = sag_scene_bounds(a), y = sag_scene_bounds(b);
     assert_memory_equal(&x, &y, sizeof x);
+    compare_batches(a, b, r, size);
     for (size_t i = 0; i < rays; i++) {
         sag_ray ray = random_scene_ray(r, size);
         compare_ray(a, b, &ray);

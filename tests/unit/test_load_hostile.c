@@ -45,6 +45,19 @@ static void ask_everything(rng *r, sag_scene *scene) {
     }
 }
 
+// A camera's rays, which go through the tree together.
+static void ask_many(rng *r, const sag_scene *scene) {
+    sag_ray rays[64];
+    sag_hit hits[64];
+    bool occluded[64];
+    sag_vec3 eye = rng_vec3(r, 4);
+    for (int i = 0; i < 64; i++)
+        rays[i] =
+            sag_ray_make(eye, sag_sub(sag_vec3_make(0.2 * (i % 8) - 0.7, 0.2 * (i / 8) - 0.7, 0.1), eye));
+    sag_intersect_batch(scene, rays, hits, 64);
+    sag_occluded_batch(scene, rays, occluded, 64);
+}
+
 // Loads the file; what comes of it is asked, changed, committed and asked again. Whether it was loaded.
 static bool try_it(rng *r, saved *file) {
     sag_scene *scene = NULL;
@@ -57,6 +70,7 @@ static bool try_it(rng *r, saved *file) {
         return false;
     }
     ask_everything(r, scene);
+    ask_many(r, scene);
     for (uint32_t id = 0; id < 3; id++) {
         sag_affine map = sag_affine_translate(sag_vec3_make(0.01, 0, 0));
         sag_geometry_set_transform(scene, id, rng_one_in(r, 2) ? &map : NULL);
