@@ -80,6 +80,16 @@ static inline void collect(search *s, const sagi_world *world, const sag_hit *hi
         sagi_collector_add(&s->collector, hit);
 }
 
+static inline void write_hit(const search *s, uint32_t geometry, uint32_t primitive, double t, double u,
+                             double v, sag_hit *hit) {
+    memset(hit, 0xFF, sizeof *hit); // SAG_INVALID_ID; padding, too, is the same everywhere
+    hit->t = t, hit->u = u, hit->v = v;
+    hit->primitive = primitive, hit->geometry = geometry;
+    hit->instance_depth = s->path_length;
+    for (uint32_t i = 0; i < s->path_length; i++) hit->instance_path[i] = s->path[i];
+}
+_Static_assert(SAG_INVALID_ID == UINT32_MAX, "all its bits are set");
+
 // Takes note of a hit in the ray's range; true when the search is over. With t and the ids only: most hits
 // are not the best.
 static inline bool accept(question asked, level *here, uint32_t geometry, uint32_t primitive, double t,
@@ -87,21 +97,19 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
     search *s = here->search;
     if (asked == ANY) return s->found = true;
     if (asked == CLOSEST && s->found && !(t <= s->best->t)) return false;
-    sag_hit hit;
-    memset(&hit, 0xFF, sizeof hit); // SAG_INVALID_ID; padding, too, is the same everywhere
-    hit.t = t, hit.u = u, hit.v = v;
-    hit.primitive = primitive, hit.geometry = geometry;
-    hit.instance_depth = s->path_length;
-    for (uint32_t i = 0; i < s->path_length; i++) hit.instance_path[i] = s->path[i];
-    if (asked == ALL) {
-        collect(s, here->world, &hit);
-    } else if (!s->found || sagi_hit_before(&hit, s->best)) {
-        *s->best = hit, s->found = true;
+    if (asked == CLOSEST && (!s->found || t < s->best->t)) {
+        write_hit(s, geometry, primitive, t, u, v, s->best), s->found = true;
         lower_t_max(here, t);
+        return false;
     }
+    sag_hit hit;
+    write_hit(s, geometry, primitive, t, u, v, &hit);
+    if (asked == ALL)
+        collect(s, here->world, &hit);
+    else if (sagi_hit_before(&hit, s->best)) // at the same t
+        *s->best = hit;
     return false;
 }
-_Static_assert(SAG_INVALID_ID == UINT32_MAX, "all its bits are set");
 
 static bool walk_closest(level *here);
 static bool walk_any(level *here);

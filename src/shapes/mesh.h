@@ -26,12 +26,15 @@ static inline void sagi_mesh_triangle(const sag_mesh *mesh, uint32_t i, sag_vec3
 // anything.
 SAGI_INLINE void sagi_mesh_corners(const sag_mesh *mesh, uint32_t i, bool mirrored, sagi_d4 out[3]) {
     const uint32_t *corner = &mesh->triangles[3 * (size_t)i];
-    const size_t at[3] = {3 * (size_t)corner[0], 3 * (size_t)corner[1 + mirrored],
-                          3 * (size_t)corner[2 - mirrored]};
-    if (__builtin_expect(mesh->positions_f64 != NULL, 0))
-        for (int k = 0; k < 3; k++) out[k] = sagi_d4_load3(mesh->positions_f64 + at[k]);
+    size_t swap = mirrored, a = 3 * (size_t)corner[0], b = 3 * (size_t)corner[1 + swap],
+           c = 3 * (size_t)corner[2 - swap];
+    const double *f64 = mesh->positions_f64;
+    const float *f32 = mesh->positions_f32;
+    if (__builtin_expect(f64 != NULL, 0))
+        out[0] = sagi_d4_load3(f64 + a), out[1] = sagi_d4_load3(f64 + b), out[2] = sagi_d4_load3(f64 + c);
     else
-        for (int k = 0; k < 3; k++) out[k] = sagi_d4_load3_float(mesh->positions_f32 + at[k]);
+        out[0] = sagi_d4_load3_float(f32 + a), out[1] = sagi_d4_load3_float(f32 + b),
+        out[2] = sagi_d4_load3_float(f32 + c);
 }
 
 // Why a triangle is not there, if it is not.

@@ -66,7 +66,7 @@ SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, do
     sagi_d4 xz1 = SAGI_D4_SHUFFLE2(a, b, 0, 4, 2, 6), xy1 = xz1 + SAGI_D4_SHUFFLE2(a, b, 1, 5, 3, 7);
     sagi_d4 xz2 = SAGI_D4_SHUFFLE2(c, d, 0, 4, 2, 6), xy2 = xz2 + SAGI_D4_SHUFFLE2(c, d, 1, 5, 3, 7);
     sagi_d4 all = SAGI_D4_SHUFFLE2(xy1, xy2, 0, 1, 4, 5) + SAGI_D4_SHUFFLE2(xz1, xz2, 2, 3, 6, 7);
-    for (int i = 0; i < 4; i++) sum[i] = all[i];
+    sum[0] = all[0], sum[1] = all[1], sum[2] = all[2], sum[3] = all[3];
 }
 #include "shapes/triangle_step.inl"
 
@@ -133,7 +133,8 @@ SAGI_INLINE sagi_solved sagi_triangle_step(const sagi_solve1_pair *of, double t_
                                            double *beta, double *gamma) {
     sagi_solve1_step s;
     if (!sagi_solve1_estimate(of, &s)) return SAGI_SOLVED_NOT;
-    if (sagi_solve1_outside(&s, t_min, t_max)) return SAGI_SOLVED_MISS;
+    if (!(s.estimate >= t_min && s.estimate <= t_max) && sagi_solve1_outside(&s, t_min, t_max))
+        return SAGI_SOLVED_MISS;
     if (!sagi_solve1_improve(of, &s)) {
         const sagi_solve1_pair pair = *of; // so that the other one need not be in memory
         s.step = sagi_triangle_residual(&pair, s.estimate) * s.inverse;
@@ -186,14 +187,17 @@ SAGI_INLINE sagi_d4x3 sagi_d4_columns(const sagi_d4 row[4], sagi_d4 *rest) {
                        SAGI_D4_SHUFFLE2(xz1, xz2, 2, 3, 6, 7)};
 }
 
-// sagi_triangle_solve_ray for those in `lanes`, bit 0 being the first; returns those whose t is in range. t,
-// u and v of others are left with anything.
+// sagi_triangle_solve_ray for those in `lanes`, bit 0 being the first; returns those whose t is in range.
+// Of others t, u and v are left with anything, and so is the ray of those that are not asked for.
 static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t lanes) {
-    if (lanes == 0) return 0;
-    const int any = __builtin_ctz(lanes);
+    if (__builtin_expect(lanes != 15, 0)) {
+        if (lanes == 0) return 0;
+        for (int i = 0; i < 4; i++)
+            if (!(lanes >> i & 1)) four->ray[i] = four->ray[__builtin_ctz(lanes)];
+    }
     sagi_d4 row[2][4], unused;
     for (int i = 0; i < 4; i++) { // a ray begins with origin, direction, t_min, t_max
-        const char *ray = (const char *)four->ray[lanes >> i & 1 ? i : any];
+        const char *ray = (const char *)four->ray[i];
         row[0][i] = sagi_d4_load(ray), row[1][i] = sagi_d4_load(ray + sizeof(sagi_d4));
     }
     sagi_solve4_pair of;
