@@ -157,17 +157,43 @@ static void make_leaves(const builder *b, uint32_t first, uint32_t end) {
     }
 }
 
+// Makes a treelet's leaves and counts them.
+static void count_leaves(void *argument, size_t index) {
+    builder *b = argument;
+    uint32_t first = b->first[index], end = b->first[index + 1], count = 0;
+    make_leaves(b, first, end);
+    for (uint32_t i = first; i < end; i += b->leaf_size[i]) count++;
+    b->slots[index] = count;
+}
+
+// A treelet of n leaves takes n − 1 of the n nodes that begin with slots[index] and leaves the last one.
 static void cluster_treelet(void *argument, size_t index) {
     builder *b = argument;
     float memory[SAGI_CLUSTERS_FLOATS(TREELET)];
     sagi_clusters clusters;
     sagi_clusters_init(&clusters, memory, TREELET);
-    uint32_t first = b->first[index], end = b->first[index + 1];
-    make_leaves(b, first, end);
-    for (uint32_t i = first; i < end; i += b->leaf_size[i])
+    for (uint32_t i = b->first[index]; i < b->first[index + 1]; i += b->leaf_size[i])
         sagi_clusters_add(&clusters, &b->tree, SAGI_LOOSE_LEAF | i);
-    b->roots[index] = sagi_clusters_merge(&clusters, &b->tree, NULL, first);
-    b->slots[index] = end - 1; // the one node of its share that a treelet leaves
+    uint32_t slot = b->slots[index], count = clusters.count;
+    b->roots[index] = sagi_clusters_merge(&clusters, &b->tree, NULL, slot);
+    b->slots[index] = slot + count - 1;
+}
+
+// Leaves for all treelets; then nodes are allocated for as many.
+static sag_status make_all_leaves(builder *b) {
+    b->roots = sag_allocate(b->context, b->treelet_count * sizeof *b->roots);
+    b->slots = sag_allocate(b->context, b->treelet_count * sizeof *b->slots);
+    b->memory = sag_allocate(b->context, SAGI_CLUSTERS_FLOATS(b->treelet_count) * sizeof *b->memory);
+    if (b->roots == NULL || b->slots == NULL || b->memory == NULL) return SAG_ERROR_MEMORY;
+    sag_parallel_for(b->context, b->treelet_count, count_leaves, b);
+    for (uint32_t i = 0; i < b->treelet_count; i++) {
+        uint32_t count = b->slots[i];
+        b->slots[i] = b->tree.count;
+        b->tree.count += count;
+    }
+    b->tree.nodes = sag_allocate(b->context, b->tree.count * sizeof *b->tree.nodes);
+    b->nodes = sag_allocate(b->context, 2 * (size_t)b->tree.count * sizeof *b->nodes);
+    return b->tree.nodes != NULL && b->nodes != NULL ? SAG_OK : SAG_ERROR_MEMORY;
 }
 
 static sag_status build(builder *b, uint32_t count) {
@@ -175,10 +201,8 @@ static sag_status build(builder *b, uint32_t count) {
     if (status == SAG_OK) status = cut(b, 0, count, 0);
     if (status != SAG_OK) return status;
     b->first[b->treelet_count] = count;
-    b->roots = sag_allocate(b->context, b->treelet_count * sizeof *b->roots);
-    b->slots = sag_allocate(b->context, b->treelet_count * sizeof *b->slots);
-    b->memory = sag_allocate(b->context, SAGI_CLUSTERS_FLOATS(b->treelet_count) * sizeof *b->memory);
-    if (b->roots == NULL || b->slots == NULL || b->memory == NULL) return SAG_ERROR_MEMORY;
+    status = make_all_leaves(b);
+    if (status != SAG_OK) return status;
     sag_parallel_for(b->context, b->treelet_count, cluster_treelet, b);
     sagi_clusters clusters;
     sagi_clusters_init(&clusters, b->memory, b->treelet_count);
@@ -190,21 +214,19 @@ static sag_status build(builder *b, uint32_t count) {
 
 static bool allocate(builder *b, uint32_t count) {
     size_t n = count;
-    b->nodes = sag_allocate(b->context, 2 * n * sizeof *b->nodes);
-    b->tree.nodes = sag_allocate(b->context, n * sizeof *b->tree.nodes);
     b->tree.primitives = sag_allocate(b->context, n * sizeof *b->tree.primitives);
     b->keys = sag_allocate(b->context, n * sizeof *b->keys);
     b->scratch = sag_allocate(b->context, n * sizeof *b->scratch);
     b->first = sag_allocate(b->context, (n + 1) * sizeof *b->first);
     b->tree.leaf_size = b->leaf_size = sag_allocate(b->context, n);
-    return b->nodes != NULL && b->tree.nodes != NULL && b->tree.primitives != NULL && b->keys != NULL &&
-           b->scratch != NULL && b->first != NULL && b->leaf_size != NULL;
+    return b->tree.primitives != NULL && b->keys != NULL && b->scratch != NULL && b->first != NULL &&
+           b->leaf_size != NULL;
 }
 
 static void release(builder *b, uint32_t count) {
     size_t n = count;
-    sag_release(b->context, b->nodes, 2 * n * sizeof *b->nodes);
-    sag_release(b->context, b->tree.nodes, n * sizeof *b->tree.nodes);
+    sag_release(b->context, b->nodes, 2 * (size_t)b->tree.count * sizeof *b->nodes);
+    sag_release(b->context, b->tree.nodes, b->tree.count * sizeof *b->tree.nodes);
     sag_release(b->context, b->tree.primitives, n * sizeof *b->tree.primitives);
     sag_release(b->context, b->keys, n * sizeof *b->keys);
     sag_release(b->context, b->scratch, n * sizeof *b->scratch);
@@ -217,11 +239,10 @@ static void release(builder *b, uint32_t count) {
 
 sag_status sagi_bvh_build_fast(const sag_context *context, const sagi_bvh_options *options,
                                sagi_bvh_primitive *primitives, uint32_t count, sagi_bvh *tree) {
-    builder b = {
-        .context = context, .maker = &options->leaves, .primitives = primitives, .tree.count = count};
+    builder b = {.context = context, .maker = &options->leaves, .primitives = primitives};
     sag_status status = allocate(&b, count) ? build(&b, count) : SAG_ERROR_MEMORY;
     if (status == SAG_OK)
-        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * count, primitives, tree);
+        status = sagi_bvh_collapse(context, &options->leaves, b.nodes, 2 * b.tree.count, primitives, tree);
     release(&b, count);
     return status;
 }

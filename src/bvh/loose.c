@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Writing a loose tree in the order of binary.h: parents before children, a subtree's nodes and primitives
-// side by side. How many primitives a subtree holds says where it goes, so subtrees are written by all
-// threads at once. The walk down has a stack, which the depth cap bounds; the walk through a subtree that is
-// too deep has none and finds its way back by the parents.
+// side by side. How many leaves and primitives a subtree holds says where it goes, so subtrees are written by
+// all threads at once. The walk down has a stack, which the depth cap bounds; the walk through a subtree that
+// is too deep has none and finds its way back by the parents.
 #include "bvh/loose.h"
 #include <string.h>
 
-#define TASK  4096u // primitives that one thread writes at a time
+#define TASK  2048u // leaves that one thread writes at a time
 #define TASKS 512u
 
 // A loose subtree and its place in the written tree.
@@ -23,92 +23,95 @@ typedef struct writer {
     uint32_t task_count;
 } writer;
 
-// Copies the primitives below an inner node, from left to right.
-static void copy_leaves(const writer *w, uint32_t root, sagi_bvh_primitive *out) {
-    const sagi_loose_node *nodes = w->tree->nodes;
+static void write_leaf(const writer *w, uint32_t child, uint32_t first, sagi_binary_node *node) {
+    uint32_t from = child & ~SAGI_LOOSE_LEAF, size = sagi_loose_leaf_size(w->tree, from);
+    memcpy(w->primitives + first, w->tree->primitives + from, size * sizeof *w->primitives);
+    *node = (sagi_binary_node){sagi_loose_box(w->tree, child), first, size};
+}
+
+// Writes the leaves below an inner node to nodes[0], nodes[1] …, from left to right.
+static void write_leaves(const writer *w, uint32_t root, uint32_t first, sagi_binary_node *nodes) {
+    const sagi_loose_node *loose = w->tree->nodes;
     uint32_t node = root;
     for (int side = 0;;) {
-        uint32_t child = nodes[node].child[side];
+        uint32_t child = loose[node].child[side];
         if (!(child & SAGI_LOOSE_LEAF)) {
             node = child, side = 0;
             continue;
         }
-        child &= ~SAGI_LOOSE_LEAF;
-        uint32_t size = sagi_loose_leaf_size(w->tree, child);
-        memcpy(out, w->tree->primitives + child, size * sizeof *out);
-        out += size;
-        for (; side == 1; node = nodes[node].parent) {
+        write_leaf(w, child, first, nodes);
+        first += nodes++->count;
+        for (; side == 1; node = loose[node].parent) {
             if (node == root) return;
-            side = nodes[nodes[node].parent].child[1] == node;
+            side = loose[loose[node].parent].child[1] == node;
         }
         side = 1;
     }
 }
 
-static sagi_float_box box_of(const sagi_bvh_primitive *primitives, uint32_t count) {
-    sagi_float_box box = sagi_float_box_empty();
-    for (uint32_t i = 0; i < count; i++) sagi_float_box_extend(&box, primitives[i].lo, primitives[i].hi);
-    return box;
-}
-
-// A subtree as deep as its count needs: halves of halves of the primitives in their order, which neighbours
-// in the loose tree give some sense.
+// A subtree as deep as its count needs: halves of halves of the leaves in their order, to which neighbours in
+// the loose tree give some sense. The n leaves are first written to the last n of the 2n − 1 numbers. From
+// there they go to their places: in front of leaf i are at most n − 1 inner nodes and i leaves, so nothing is
+// written over a leaf that waits.
 static void write_halves(const writer *w, job root) {
     struct {
-        job at;
-        uint32_t count;
+        uint32_t begin, count, parent;
     } stack[SAGI_BVH_MAX_DEPTH + 1];
-    int waiting = 0;
-    copy_leaves(w, root.child, w->primitives + root.first);
-    stack[waiting].at = root, stack[waiting++].count = w->tree->nodes[root.child].count;
-    while (waiting > 0) {
-        uint32_t n = stack[--waiting].count;
-        job j = stack[waiting].at;
-        sagi_float_box box = box_of(w->primitives + j.first, n);
-        if (n == 1 || j.depth == SAGI_BVH_MAX_DEPTH) {
-            w->nodes[j.node] = (sagi_binary_node){box, j.first, n};
+    uint32_t n = w->tree->nodes[root.child].count, begin = 0, count = n, next = root.node;
+    sagi_binary_node *leaf = w->nodes + root.node + n - 1;
+    write_leaves(w, root.child, root.first, leaf);
+    for (int waiting = 0;;) {
+        if (count > 1) {
+            sagi_float_box box = sagi_float_box_empty();
+            for (uint32_t i = begin; i < begin + count; i++)
+                sagi_float_box_extend(&box, leaf[i].box.lo, leaf[i].box.hi);
+            uint32_t half = count / 2;
+            stack[waiting].begin = begin + half, stack[waiting].count = count - half;
+            stack[waiting++].parent = next;
+            w->nodes[next++] = (sagi_binary_node){box, 0, 0};
+            count = half;
             continue;
         }
-        uint32_t m = n / 2;
-        w->nodes[j.node] = (sagi_binary_node){box, j.node + 2 * m, 0};
-        stack[waiting].at = (job){0, j.node + 2 * m, j.first + m, j.depth + 1};
-        stack[waiting++].count = n - m;
-        stack[waiting].at = (job){0, j.node + 1, j.first, j.depth + 1};
-        stack[waiting++].count = m;
+        sagi_binary_node own = leaf[begin];
+        w->nodes[next++] = own;
+        if (waiting == 0) return;
+        begin = stack[--waiting].begin, count = stack[waiting].count;
+        w->nodes[stack[waiting].parent].link = next;
     }
+}
+
+// The most leaves a node at this depth may have below it, all leaves being at SAGI_BVH_MAX_DEPTH at most.
+static uint64_t depth_allows(uint32_t depth) {
+    if (depth > SAGI_BVH_MAX_DEPTH) return 0;
+    uint32_t levels = SAGI_BVH_MAX_DEPTH - depth;
+    return levels >= 32 ? UINT64_MAX : (uint64_t)1 << levels;
 }
 
 // Whether an inner node can be written as it is, or is too deep for what it holds.
 static bool is_shallow(const writer *w, const job *j) {
     const sagi_loose_node *n = &w->tree->nodes[j->child];
     uint32_t left = sagi_loose_count(w->tree, n->child[0]), right = n->count - left;
-    uint64_t most = sagi_depth_allows(j->depth + 1);
+    uint64_t most = depth_allows(j->depth + 1);
     return left <= most && right <= most;
 }
 
 // Whether a subtree becomes a leaf though the collapse might split it: because that gains little (split.c).
 static bool joins(const writer *w, const job *j) {
     const sagi_loose_node *n = &w->tree->nodes[j->child];
-    if (w->maker == NULL || n->count > SAGI_BVH_MAX_LEAF) return false;
+    if (w->maker == NULL || n->count > SAGI_BVH_MAX_LEAF) return false; // (with a maker leaves have one each)
     sagi_float_box a = sagi_loose_box(w->tree, n->child[0]), b = sagi_loose_box(w->tree, n->child[1]);
     if (sagi_float_box_half_area(&a) + sagi_float_box_half_area(&b) <
         SAGI_LEAF_SHARE * sagi_float_box_half_area(&n->box))
         return false;
-    copy_leaves(w, j->child, w->primitives + j->first);
+    write_leaves(w, j->child, j->first, w->nodes + j->node);
     return sagi_binary_fits(w->maker, w->primitives + j->first, n->count);
-}
-
-static void write_leaf(const writer *w, job j) {
-    uint32_t first = j.child & ~SAGI_LOOSE_LEAF, size = sagi_loose_leaf_size(w->tree, first);
-    memcpy(w->primitives + j.first, w->tree->primitives + first, size * sizeof *w->primitives);
-    w->nodes[j.node] = (sagi_binary_node){sagi_loose_box(w->tree, j.child), j.first, size};
 }
 
 // The jobs of an inner node's children, but for their nodes.
 static void descend(const writer *w, const job *j, job *left, job *right) {
     const sagi_loose_node *n = &w->tree->nodes[j->child];
-    uint32_t count = sagi_loose_count(w->tree, n->child[0]);
-    *right = (job){.child = n->child[1], .first = j->first + count, .depth = j->depth + 1};
+    uint32_t size = sagi_loose_size(w->tree, n->child[0]);
+    *right = (job){.child = n->child[1], .first = j->first + size, .depth = j->depth + 1};
     *left = (job){.child = n->child[0], .first = j->first, .depth = j->depth + 1};
 }
 
@@ -120,7 +123,7 @@ static void write_task(void *argument, size_t index) {
     uint32_t next = j.node + 1;
     for (int waiting = 0;;) {
         if (j.child & SAGI_LOOSE_LEAF) {
-            write_leaf(w, j);
+            write_leaf(w, j.child, j.first, &w->nodes[j.node]);
         } else if (joins(w, &j)) {
             const sagi_loose_node *n = &w->tree->nodes[j.child];
             w->nodes[j.node] = (sagi_binary_node){n->box, j.first, n->count};
@@ -161,7 +164,7 @@ void sagi_loose_write(const sag_context *context, const sagi_leaf_maker *maker, 
         }
         job left, *right = &stack[waiting++];
         descend(&w, &j, &left, right);
-        left.node = j.node + 1, right->node = j.node + 2 * (right->first - left.first);
+        left.node = j.node + 1, right->node = j.node + 2 * sagi_loose_count(tree, left.child);
         nodes[j.node] = (sagi_binary_node){tree->nodes[j.child].box, right->node, 0};
         j = left;
     }

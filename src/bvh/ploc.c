@@ -73,10 +73,10 @@ static void merge(sagi_clusters *c, sagi_loose_tree *tree, uint32_t i, uint32_t 
     }
     node->child[0] = c->child[i], node->child[1] = c->child[j];
     node->parent = SAGI_LOOSE_NONE;
-    node->count = 0;
+    node->count = node->size = 0;
     for (int side = 0; side < 2; side++) {
         uint32_t child = node->child[side];
-        node->count += sagi_loose_count(tree, child);
+        node->count += sagi_loose_count(tree, child), node->size += sagi_loose_size(tree, child);
         if (!(child & SAGI_LOOSE_LEAF)) tree->nodes[child].parent = slot;
     }
     c->child[place] = slot;
