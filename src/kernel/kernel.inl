@@ -121,95 +121,111 @@ static bool walk_all(level *here);
 
 #include "kernel/leaf.inl"
 
-// A node or leaf that waits: where it begins at the earliest, as the bits of a float that is not negative,
-// and below them the child's number. As whole numbers they are ordered by their beginnings.
-typedef uint64_t waiting;
+// A node or leaf, and the τ at which the ray comes to it at the earliest.
+typedef struct waiting {
+    float begin;
+    uint32_t child;
+} waiting;
 
-SAGI_INLINE float begin_of(waiting w) {
-    union {
-        uint32_t bits;
-        float value;
-    } u = {(uint32_t)(w >> 32)};
-    return u.value;
+// Those that wait, of `room` places; eight are written at a time, however few are met.
+typedef struct stack {
+    float *begin;
+    uint32_t *child;
+    uint32_t height;
+} stack;
+
+// Where the ray enters and leaves each child's slab of one coordinate.
+SAGI_INLINE sagi_f8 entry(const char *node, const sagi_float_ray *r, int k) {
+    return sagi_f8_fma(sagi_f8_load(node + r->planes.near_at[k]), sagi_f8_fill(r->near_scale[k]),
+                       sagi_f8_fill(r->near_add[k]));
 }
-
-// What a step takes of the ray, spread over registers.
-typedef struct spread_ray {
-    sagi_f8 near_scale[3], near_add[3], far_scale[3], far_add[3], from;
-    uint32_t near_at[3], far_at[3];
-} spread_ray;
-
-SAGI_INLINE spread_ray spread_of(const sagi_float_ray *r) {
-    spread_ray s;
-    for (int k = 0; k < 3; k++) {
-        s.near_scale[k] = sagi_f8_fill(r->near_scale[k]), s.near_add[k] = sagi_f8_fill(r->near_add[k]);
-        s.far_scale[k] = sagi_f8_fill(r->far_scale[k]), s.far_add[k] = sagi_f8_fill(r->far_add[k]);
-        s.near_at[k] = r->near_at[k], s.far_at[k] = r->far_at[k];
-    }
-    s.from = sagi_f8_fill(r->from);
-    return s;
+SAGI_INLINE sagi_f8 way_out(const char *node, const sagi_float_ray *r, int k) {
+    return sagi_f8_fma(sagi_f8_load(node + r->planes.far_at[k]), sagi_f8_fill(r->far_scale[k]),
+                       sagi_f8_fill(r->far_add[k]));
 }
 
 // One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
 // handed back; the others go on the stack. False when there is none.
-SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const spread_ray *r, float limit,
-                      waiting **stack, waiting *next) {
+SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const sagi_float_ray *r, float limit,
+                      stack *waits, waiting *next) {
     const char *at = (const char *)node;
-    sagi_f8 begin = r->from, end = sagi_f8_fill(limit);
-    for (int k = 0; k < 3; k++) {
-        begin = sagi_f8_max(sagi_f8_fma(sagi_f8_load(at + r->near_at[k]), r->near_scale[k], r->near_add[k]),
-                            begin);
-        end = sagi_f8_min(sagi_f8_fma(sagi_f8_load(at + r->far_at[k]), r->far_scale[k], r->far_add[k]), end);
-    }
+    sagi_f8 begin = sagi_f8_max(sagi_f8_max(entry(at, r, 0), entry(at, r, 1)),
+                                sagi_f8_max(entry(at, r, 2), sagi_f8_fill(r->from)));
+    sagi_f8 end = sagi_f8_min(sagi_f8_min(way_out(at, r, 0), way_out(at, r, 1)),
+                              sagi_f8_min(way_out(at, r, 2), sagi_f8_fill(limit)));
     SAGI_KERNEL_COUNT(nodes);
     sagi_i8 met = begin <= end;
     uint32_t mask = sagi_i8_mask(met), lane;
     if (mask == 0) return false;
-    sagi_i8 bits = sagi_f8_bits(begin), children = sagi_i8_load(node->child);
     if (asked == CLOSEST) {
         // The lane's number takes the place of the last three bits of where it begins, which only moves the
-        // beginning forward; what is not met comes last.
+        // beginning forward; what is not met comes last. (No beginning is negative: as whole numbers they are
+        // in order.)
         const sagi_i8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
-        uint32_t least = (uint32_t)sagi_i8_least((bits & ~7) | numbers | (~met & INT32_MAX));
-        lane = least & 7;
-        *next = (uint64_t)(least & ~7U) << 32 | node->child[lane];
+        union {
+            uint32_t bits;
+            float value;
+        } least = {(uint32_t)sagi_i8_least((sagi_f8_bits(begin) & ~7) | numbers | (~met & INT32_MAX))};
+        lane = least.bits & 7;
+        least.bits &= ~7U;
+        next->begin = least.value;
     } else {
         lane = (uint32_t)__builtin_ctz(mask);
-        *next = (uint64_t)(uint32_t)bits[lane] << 32 | node->child[lane];
+        next->begin = begin[lane];
     }
-    *stack += sagi_append_pairs(*stack, mask & ~(1U << lane), bits, children);
+    next->child = node->child[lane];
+    mask &= ~(1U << lane);
+    sagi_write_lanes(mask, begin, waits->begin + waits->height, sagi_i8_load(node->child),
+                     waits->child + waits->height);
+    waits->height += (uint32_t)__builtin_popcount(mask);
     return true;
 }
 
-// True when the search is over.
-SAGI_INLINE bool walk(question asked, level *here) {
+// What comes before the tree. False when the ray has no business there; *over when the search is over.
+SAGI_INLINE bool come_to_tree(question asked, level *here, bool *over) {
     const sagi_world *world = here->world;
+    *over = false;
     if (world->unbounded_count != 0) {
         if (!sag_ray_is_valid(here->ray)) return false;
-        if (list(asked, here, world->unbounded, world->unbounded_count)) return true;
+        if (list(asked, here, world->unbounded, world->unbounded_count)) return !(*over = true);
     }
     if (world->tree.node_count == 0 || !sagi_float_ray_make(world, here->ray, &here->tree_ray)) return false;
     here->in_tree = true;
     here->limit = here->tree_ray.limit;
     if (here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
-    waiting stack[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH]; // eight are written at a time, however few are met
-    waiting *top = stack, next = 0;                      // the root
-    spread_ray ray = spread_of(&here->tree_ray);
-    const sagi_bvh_node *nodes = world->tree.nodes;
+    return true;
+}
+
+// Takes the next that still matters from the stack; false when there is none.
+SAGI_INLINE bool pop(question asked, float limit, stack *waits, waiting *next) {
+    do {
+        if (waits->height == 0) return false;
+        waits->height--;
+        next->begin = waits->begin[waits->height];
+    } while (asked == CLOSEST && next->begin > limit);
+    next->child = waits->child[waits->height];
+    return true;
+}
+
+// True when the search is over.
+SAGI_INLINE bool walk(question asked, level *here) {
+    bool over;
+    if (!come_to_tree(asked, here, &over)) return over;
+    const sagi_bvh *tree = &here->world->tree;
+    float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
+    uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
+    stack waits = {begin, child, 0};
+    waiting next = {0, 0}; // the root
     for (;;) {
-        if (((uint32_t)next & SAGI_BVH_LEAF) == 0) {
-            if (step(asked, &nodes[(uint32_t)next], &ray, here->limit, &top, &next)) continue;
-        } else if (leaf(asked, here, sagi_leaf(&world->tree, (uint32_t)next), begin_of(next))) {
+        if ((next.child & SAGI_BVH_LEAF) == 0) {
+            if (step(asked, &tree->nodes[next.child], &here->tree_ray, here->limit, &waits, &next)) continue;
+        } else if (leaf(asked, here, sagi_leaf(tree, next.child), next.begin)) {
             return true;
         }
-        do {
-            if (top == stack) {
-                if (asked == CLOSEST) settle(here);
-                return false;
-            }
-            next = *--top;
-        } while (asked == CLOSEST && begin_of(next) > here->limit);
+        if (!pop(asked, here->limit, &waits, &next)) break;
     }
+    if (asked == CLOSEST && here->candidate_count > 0) settle(here);
+    return false;
 }
 
 static bool walk_closest(level *here) { return walk(CLOSEST, here); }

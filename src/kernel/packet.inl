@@ -78,7 +78,8 @@ static inline sagi_l4 bits_at(const sag_ray *ray, size_t offset) {
 }
 
 // Fills in the packet, and the ray that walks for it. False when the rays are no packet.
-SAGI_INLINE bool packet_make(packet *p, spread_ray *walker, const sagi_world *world, const sag_ray *rays) {
+SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world *world,
+                             const sag_ray *rays) {
     // Equal: the origins, t_min, t_max and masks. Directions: their bounds. (A sum has a NaN if one is
     // there.)
     const size_t tail = offsetof(sag_ray, direction.z);
@@ -137,15 +138,11 @@ SAGI_INLINE bool packet_make(packet *p, spread_ray *walker, const sagi_world *wo
         (sagi_f4)((sagi_w4)start & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
     margin = (sagi_f4)((sagi_w4)margin | sign);
     sagi_f4 near_add = -(start + margin) * near_scale, far_add = -(start - margin) * far_scale;
-    for (uint32_t k = 0; k < 3; k++) {
-        walker->near_scale[k] = sagi_f8_fill(near_scale[k]), walker->near_add[k] = sagi_f8_fill(near_add[k]);
-        walker->far_scale[k] = sagi_f8_fill(far_scale[k]), walker->far_add[k] = sagi_f8_fill(far_add[k]);
-        uint32_t turn = sign[k] != 0 ? 3 * SAGI_PLANE_BYTES : 0;
-        walker->near_at[k] = k * SAGI_PLANE_BYTES + turn,
-        walker->far_at[k] = (k + 3) * SAGI_PLANE_BYTES - turn;
-    }
+    walker->near_scale = near_scale, walker->near_add = near_add;
+    walker->far_scale = far_scale, walker->far_add = far_add;
+    walker->planes = sagi_planes[sagi_d4_signs(lo) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
-    walker->from = sagi_f8_fill((float)(first * (1 - 0x1p-22)));
+    walker->from = (float)(first * (1 - 0x1p-22));
     p->t_min = first, p->t_max = (float)(last * (1 - 0x1p-22));
     p->error = 0x1p-43 + spread;
     p->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;
@@ -310,28 +307,27 @@ SAGI_INLINE float packet_limit(const packet *p) {
     return sagi_f8_most(most);
 }
 
-SAGI_INLINE void packet_walk(packet *p, const spread_ray *walker) {
+SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     const sagi_bvh *tree = &p->world->tree;
-    waiting stack[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
-    waiting *top = stack, next = 0;
+    float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
+    uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
+    stack waits = {begin, child, 0};
+    waiting next = {0, 0};
     float limit = packet_limit(p);
     for (uint32_t steps = 0;;) {
-        if (((uint32_t)next & SAGI_BVH_LEAF) == 0) {
+        if ((next.child & SAGI_BVH_LEAF) == 0) {
             SAGI_KERNEL_COUNT(packet_nodes);
             if (++steps > PACKET_STEPS) {
-                give_up_from(p, begin_of(next));
+                give_up_from(p, next.begin);
                 limit = packet_limit(p);
-            } else if (step(CLOSEST, &tree->nodes[(uint32_t)next], walker, limit, &top, &next)) {
+            } else if (step(CLOSEST, &tree->nodes[next.child], walker, limit, &waits, &next)) {
                 continue;
             }
         } else {
-            packet_leaf(p, sagi_leaf(tree, (uint32_t)next), begin_of(next));
+            packet_leaf(p, sagi_leaf(tree, next.child), next.begin);
             limit = packet_limit(p);
         }
-        do {
-            if (top == stack) return;
-            next = *--top;
-        } while (begin_of(next) > limit);
+        if (!pop(CLOSEST, limit, &waits, &next)) return;
     }
 }
 
@@ -354,7 +350,7 @@ static bool packet_intersect(const sagi_world *world, const sag_ray *rays, sag_h
     }
     if (world->unbounded_count != 0 || world->tree.node_count == 0) return false;
     packet p;
-    spread_ray walker;
+    sagi_float_ray walker;
     if (!packet_make(&p, &walker, world, rays)) return false;
     packet_walk(&p, &walker);
     for (size_t i = 0; i < PACKET_RAYS; i++) {

@@ -58,15 +58,36 @@
 #include <math.h>
 #include <stddef.h>
 
+// Where in a node the planes stand that a ray comes to first and last, in bytes: for each coordinate that
+// increases the lower ones first. By the signs of D, bit k set where coordinate k decreases.
+typedef struct sagi_plane_order {
+    uint32_t near_at[3], far_at[3], unused[2];
+} sagi_plane_order;
+
+#define SAGI_PLANE_BYTES (SAGI_BVH_WIDTH * (uint32_t)sizeof(float))
+#define SAGI_FIRST(s, k) (((k) + 3 * ((s) >> (k)&1)) * SAGI_PLANE_BYTES)
+#define SAGI_LAST(s, k)  (((k) + 3 - 3 * ((s) >> (k)&1)) * SAGI_PLANE_BYTES)
+#define SAGI_PLANE_ORDER(s)                                                                                  \
+    {                                                                                                        \
+        {SAGI_FIRST(s, 0), SAGI_FIRST(s, 1), SAGI_FIRST(s, 2)},                                              \
+            {SAGI_LAST(s, 0), SAGI_LAST(s, 1), SAGI_LAST(s, 2)}, {                                           \
+            0, 0                                                                                             \
+        }                                                                                                    \
+    }
+static const sagi_plane_order sagi_planes[8] = {
+    SAGI_PLANE_ORDER(0), SAGI_PLANE_ORDER(1), SAGI_PLANE_ORDER(2), SAGI_PLANE_ORDER(3),
+    SAGI_PLANE_ORDER(4), SAGI_PLANE_ORDER(5), SAGI_PLANE_ORDER(6), SAGI_PLANE_ORDER(7),
+};
+
 // Of three coordinates; the fourth place means nothing.
 typedef struct sagi_float_ray {
-    sagi_f4 near_scale, near_add;   // entry = plane · scale + add
-    sagi_f4 far_scale, far_add;     // exit
-    uint32_t near_at[3], far_at[3]; // where in a node these planes stand, in bytes
-    float from;                     // a lower bound of the τ that matter, at least 0
-    float t_max, limit;             // lower and upper bound of τ of the ray's t_max
-    sagi_f4 direction;              // D, rounded
-    sagi_d4 p, d;                   // P and D
+    sagi_f4 near_scale, near_add; // entry = plane · scale + add
+    sagi_f4 far_scale, far_add;   // exit
+    sagi_plane_order planes;
+    float from;         // a lower bound of the τ that matter, at least 0
+    float t_max, limit; // lower and upper bound of τ of the ray's t_max
+    sagi_f4 direction;  // D, rounded
+    sagi_d4 p, d;       // P and D
     double error;
     double t_min;          // τ of the ray's t_min
     double start, unit[3]; // τ = t · unit[0] · unit[1] · unit[2] − start
@@ -79,8 +100,6 @@ static inline double power_of_two(int exponent) { // −1022 … 1023
     } u = {.bits = (uint64_t)(exponent + 1023) << 52};
     return u.value;
 }
-
-#define SAGI_PLANE_BYTES (SAGI_BVH_WIDTH * (uint32_t)sizeof(float))
 
 static inline double scaled_time(const sagi_float_ray *ray, double t) {
     return t * ray->unit[0] * ray->unit[1] * ray->unit[2];
@@ -124,9 +143,8 @@ static inline void make_blind(sagi_float_ray *out) {
     for (int k = 0; k < 3; k++) {
         out->near_scale[k] = out->far_scale[k] = 1;
         out->near_add[k] = -FLT_MAX, out->far_add[k] = FLT_MAX;
-        out->near_at[k] = (uint32_t)k * SAGI_PLANE_BYTES,
-        out->far_at[k] = (uint32_t)(3 + k) * SAGI_PLANE_BYTES;
     }
+    out->planes = sagi_planes[0];
     out->p = out->d = sagi_d4_fill(0);
     out->direction = (sagi_f4){0, 0, 0, 0};
     out->error = INFINITY;
@@ -144,8 +162,6 @@ static inline void set_axis(sagi_float_ray *out, int k, double p, double d, doub
     double far_add = -p * far + (0x1p-22 * fabs(p * far) + reach);
     out->near_scale[k] = near, out->far_scale[k] = far;
     out->near_add[k] = (float)fmax(near_add, -FLT_MAX), out->far_add[k] = (float)fmin(far_add, FLT_MAX);
-    uint32_t lower = (uint32_t)k * SAGI_PLANE_BYTES, upper = (uint32_t)(3 + k) * SAGI_PLANE_BYTES;
-    out->near_at[k] = signbit(d) ? upper : lower, out->far_at[k] = signbit(d) ? lower : upper;
 }
 
 // Fills *out; false when the ray certainly misses everything in the tree or is not valid.
@@ -203,6 +219,7 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
         delta = fmax(delta, error);
     }
     out->p[3] = out->d[3] = 0;
+    out->planes = sagi_planes[sagi_d4_signs(out->d)];
     finish(out, ray, enter, leave, delta);
     return true;
 }
@@ -235,11 +252,7 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     out->direction = direction;
     out->near_scale = inverse * (1 - 0x1p-21F), out->far_scale = inverse * (1 + 0x1p-21F);
     out->near_add = -(p + wide) * out->near_scale, out->far_add = -(p - wide) * out->far_scale;
-    uint32_t backward = sagi_d4_signs(d);
-    for (uint32_t k = 0; k < 3; k++) {
-        uint32_t turn = (backward >> k & 1) * (3 * SAGI_PLANE_BYTES);
-        out->near_at[k] = k * SAGI_PLANE_BYTES + turn, out->far_at[k] = (k + 3) * SAGI_PLANE_BYTES - turn;
-    }
+    out->planes = sagi_planes[sagi_d4_signs(d) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
     out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
     out->t_min = first, out->from = (float)(first * (1 - 0x1p-22));

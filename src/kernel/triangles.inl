@@ -83,45 +83,42 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
     sagi_d4 at;
     bool usual = start_on_grid(&block->head, ray, begin, steps, &at);
     f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction);
-    float edge = (float)(block->head.edge + 1) * 256;
-    float b1 = edge * (12.5F + edge * (60 * 0x1p-24F)), b0 = 0x1p17F * b1 + 4 * edge * edge;
-    const float bound = 8.1F * 0x1p17F, range = 0x1p19F;
-
     f8x3 a = corner(block, 0), b = corner(block, 1), c = corner(block, 2);
-    f8x3 edge1 = sub8(&b, &a), edge2 = sub8(&c, &a), n = cross8(&edge1, &edge2);
+    f8x3 edge1 = sub8(&b, &a), edge2 = sub8(&c, &a);
     a = sub8(&a, &o), b = sub8(&b, &o), c = sub8(&c, &o);
     f8x3 ma = cross8(&d, &a), mb = cross8(&d, &b);
-    sagi_f8 ab = dot8(&ma, &b), bc = dot8(&mb, &c), ca = -dot8(&ma, &c);
-    sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, bc), ca), most = sagi_f8_max(sagi_f8_max(ab, bc), ca);
-    sagi_i8 outside = (least < -bound) & (most > bound), inside = (least > bound) | (most < -bound);
+    sagi_f8 ab = dot8(&ma, &b), bc = dot8(&mb, &c), ac = dot8(&ma, &c); // e(c,a) = −ac
+    sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, bc), -ac), most = sagi_f8_max(sagi_f8_max(ab, bc), -ac);
+    const float bound = 8.1F * 0x1p17F;
+    uint32_t there = (1U << block->head.count) - 1;
+    block_answer answer = {.certain = 0, .uncertain = there, .inside = 0};
+    if (__builtin_expect(!usual, 0)) return answer;
+    answer.uncertain = there & ~sagi_i8_mask((least < -bound) & (most > bound));
+    if (answer.uncertain == 0) return answer; // all missed: as often as not
 
+    // When.
+    f8x3 n = cross8(&edge1, &edge2);
     sagi_f8 num = dot8(&a, &n), den = dot8(&d, &n);
     sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
     sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
-    float grid = (float)steps;
+    const float range = 0x1p19F;
+    float edge = (float)(block->head.edge + 1) * 256, grid = (float)steps;
+    float b1 = edge * (12.5F + edge * (60 * 0x1p-24F)), b0 = 0x1p17F * b1 + 4 * edge * edge;
     float first = sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range);
     float last = sagi_float_min((limit - begin) * grid, range);
     float last_certain = sagi_float_min((ray->t_max - begin) * grid, last);
-    sagi_i8 known = size > 2 * b1;
-    sagi_i8 beyond =
-        (t - size * last > b0 + b1 * fabsf(last)) | (t - size * first < -(b0 + b1 * fabsf(first)));
-    sagi_i8 within = (t - size * last_certain < -(b0 + b1 * fabsf(last_certain))) &
-                     (t - size * first > b0 + b1 * fabsf(first));
-
-    uint32_t left = (1U << block->head.count) - 1, certain = 0, surely_inside = 0;
-    if (usual) {
-        left &= ~sagi_i8_mask(outside | (beyond & known));
-        surely_inside = sagi_i8_mask(inside);
-        certain = left & sagi_i8_mask(inside & within & known);
-    }
-    return (block_answer){.certain = certain,
-                          .uncertain = left & ~certain,
-                          .inside = surely_inside,
-                          .back = ~sagi_i8_mask(sign),
-                          .t = t,
-                          .d = size,
-                          .b0 = b0,
-                          .b1 = b1};
+    float first_error = b0 + b1 * fabsf(first), last_error = b0 + b1 * fabsf(last);
+    sagi_f8 from = t - size * first, until = t - size * last, until_certain = t - size * last_certain;
+    sagi_i8 known = size > 2 * b1, inside = (least > bound) | (most < -bound);
+    sagi_i8 beyond = (until > last_error) | (from < -first_error);
+    sagi_i8 within = (until_certain < -(b0 + b1 * fabsf(last_certain))) & (from > first_error);
+    uint32_t left = answer.uncertain & ~sagi_i8_mask(beyond & known);
+    answer.certain = left & sagi_i8_mask(inside & within & known);
+    answer.uncertain = left & ~answer.certain;
+    answer.inside = sagi_i8_mask(inside);
+    answer.back = ~sagi_i8_mask(sign);
+    answer.t = t, answer.d = size, answer.b0 = b0, answer.b1 = b1;
+    return answer;
 }
 
 static inline const sagi_item *item_of(const level *here, const sagi_block *head) {
@@ -143,6 +140,17 @@ static inline mesh_corners corners_of(const sagi_item *item, uint32_t primitive)
                           sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2])};
 }
 
+// Asks for the memory that the solution of a candidate will need; its corners' numbers were asked for before.
+static inline void fetch_corners(const level *here, const candidate *c) {
+    const sag_mesh *mesh = item_of(here, c->block)->shape;
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)sagi_block_reference(c->block, c->lane).primitive;
+    for (int i = 0; i < 3; i++) {
+        size_t at = 3 * (size_t)corner[i];
+        __builtin_prefetch(mesh->positions_f64 ? (const void *)(mesh->positions_f64 + at)
+                                               : (const void *)(mesh->positions_f32 + at));
+    }
+}
+
 static inline sagi_triangle_ray triangle_ray_of(const level *here) {
     sagi_triangle_ray ray = sagi_triangle_prepare(here->ray);
     ray.t_max = here->t_max;
@@ -150,7 +158,8 @@ static inline sagi_triangle_ray triangle_ray_of(const level *here) {
 }
 
 // One triangle by the exact test.
-static inline bool triangle(question asked, level *here, const sagi_item *item, sagi_bvh_reference r) {
+static __attribute__((noinline)) bool triangle(question asked, level *here, const sagi_item *item,
+                                               sagi_bvh_reference r) {
     const sag_mesh *mesh = item->shape;
     const bool one_sided = mesh->one_sided && !here->search->both_sides;
     mesh_corners at = corners_of(item, r.primitive);
@@ -162,8 +171,8 @@ static inline bool triangle(question asked, level *here, const sagi_item *item, 
 }
 
 // One that is certainly hit.
-static inline bool certain_triangle(question asked, level *here, const sagi_triangle_block *block,
-                                    uint32_t lane) {
+static __attribute__((noinline)) bool certain_triangle(question asked, level *here,
+                                                       const sagi_triangle_block *block, uint32_t lane) {
     const sagi_item *item = item_of(here, &block->head);
     sagi_d4 corner[3];
     sagi_mesh_corners(item->shape, block->primitive[lane], item->mirrored, corner);
@@ -178,7 +187,7 @@ static inline bool certain_triangle(question asked, level *here, const sagi_tria
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane);
 
 // CLOSEST: finds t, u and v of the candidates that may still be the nearest.
-static inline void settle(level *here) {
+static __attribute__((noinline)) void settle(level *here) {
     for (uint32_t i = 0; i < here->candidate_count; i++) {
         const candidate *c = &here->candidates[i];
         if (!(c->earliest <= here->limit)) continue;
@@ -219,10 +228,11 @@ static inline void add_triangle(level *here, const sagi_triangle_block *block, c
 }
 
 SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle_block *block, float begin) {
-    const sagi_item *item = item_of(here, &block->head);
-    if (!sees(here, item)) return false;
     SAGI_KERNEL_COUNT(blocks);
     block_answer answer = meet_triangles(block, &here->tree_ray, begin, here->limit);
+    if ((answer.certain | answer.uncertain) == 0) return false;
+    const sagi_item *item = item_of(here, &block->head);
+    if (!sees(here, item)) return false;
     uint32_t certain = answer.certain;
     bool one_sided = ((const sag_mesh *)item->shape)->one_sided && !here->search->both_sides;
     if (one_sided) certain &= ~answer.back;
@@ -238,12 +248,11 @@ SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle
         uint32_t lane = (uint32_t)__builtin_ctz(left);
         SAGI_KERNEL_COUNT(uncertain);
         // One whose time alone is uncertain is mostly the one that a ray leaves; solving says so soon.
-        if (answer.inside >> lane & 1 && !one_sided) {
-            if (certain_triangle(asked, here, block, lane)) return true;
-            continue;
-        }
-        if (triangle(asked, here, item, (sagi_bvh_reference){block->head.geometry, block->primitive[lane]}))
-            return true;
+        bool over = answer.inside >> lane & 1 && !one_sided
+                        ? certain_triangle(asked, here, block, lane)
+                        : triangle(asked, here, item,
+                                   (sagi_bvh_reference){block->head.geometry, block->primitive[lane]});
+        if (over) return true;
     }
     return false;
 }

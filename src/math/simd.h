@@ -212,48 +212,36 @@ SAGI_INLINE void sagi_f4_turn8(const sagi_f4 a[8], sagi_f8 *x, sagi_f8 *y, sagi_
     *z = (sagi_f8){a[0][2], a[1][2], a[2][2], a[3][2], a[4][2], a[5][2], a[6][2], a[7][2]};
 }
 
-// Appends (high << 32 | low) of the lanes in the mask to `to`, which must have room for eight. Their order is
-// no matter. Returns how many.
-SAGI_INLINE int sagi_append_pairs(uint64_t *to, uint32_t mask, sagi_i8 high, sagi_i8 low) {
-#ifdef SAGI_SIMD_AVX512
-    __m512i pairs = _mm512_or_epi64(_mm512_slli_epi64(_mm512_cvtepu32_epi64((__m256i)high), 32),
-                                    _mm512_cvtepu32_epi64((__m256i)low));
-    _mm512_storeu_si512(to, _mm512_maskz_compress_epi64((__mmask8)mask, pairs));
+// Writes the lanes in the mask of two vectors, in order, one after the other to p and q, each of which must
+// have room for eight.
+#if defined(SAGI_SIMD_AVX2) && !defined(SAGI_SIMD_AVX512)
+// Row m: the numbers of the bits set in m, a byte each, in order.
+#define SAGI_BIT(m, i)   ((uint64_t)((m) >> (i)&1))
+#define SAGI_BELOW(m, i) __builtin_popcount((m) & ((1 << (i)) - 1))
+#define SAGI_PUT(m, i)   (SAGI_BIT(m, i) * (i) << (8 * (SAGI_BELOW(m, i) & 7)))
+#define SAGI_ROW(m)                                                                                          \
+    (SAGI_PUT(m, 1) | SAGI_PUT(m, 2) | SAGI_PUT(m, 3) | SAGI_PUT(m, 4) | SAGI_PUT(m, 5) | SAGI_PUT(m, 6) |   \
+     SAGI_PUT(m, 7))
+#define SAGI_ROWS4(m)  SAGI_ROW(m), SAGI_ROW((m) + 1), SAGI_ROW((m) + 2), SAGI_ROW((m) + 3)
+#define SAGI_ROWS16(m) SAGI_ROWS4(m), SAGI_ROWS4((m) + 4), SAGI_ROWS4((m) + 8), SAGI_ROWS4((m) + 12)
+#define SAGI_ROWS64(m) SAGI_ROWS16(m), SAGI_ROWS16((m) + 16), SAGI_ROWS16((m) + 32), SAGI_ROWS16((m) + 48)
+static const uint64_t sagi_bits_set[256] = {SAGI_ROWS64(0), SAGI_ROWS64(64), SAGI_ROWS64(128),
+                                            SAGI_ROWS64(192)};
+#endif
+SAGI_INLINE void sagi_write_lanes(uint32_t mask, sagi_f8 a, float *p, sagi_i8 b, uint32_t *q) {
+#if defined(SAGI_SIMD_AVX512)
+    _mm256_storeu_ps(p, _mm256_maskz_compress_ps((__mmask8)mask, (__m256)a));
+    _mm256_storeu_si256((__m256i *)(void *)q, _mm256_maskz_compress_epi32((__mmask8)mask, (__m256i)b));
 #elif defined(SAGI_SIMD_AVX2)
-    // Which of four pairs come first, by the bits of a mask of four; as numbers of their 32-bit halves.
-    static const uint8_t order[16][8] = {
-        {0},
-        {0, 1},
-        {2, 3},
-        {0, 1, 2, 3},
-        {4, 5},
-        {0, 1, 4, 5},
-        {2, 3, 4, 5},
-        {0, 1, 2, 3, 4, 5},
-        {6, 7},
-        {0, 1, 6, 7},
-        {2, 3, 6, 7},
-        {0, 1, 2, 3, 6, 7},
-        {4, 5, 6, 7},
-        {0, 1, 4, 5, 6, 7},
-        {2, 3, 4, 5, 6, 7},
-        {0, 1, 2, 3, 4, 5, 6, 7},
-    };
-    __m256i first = _mm256_unpacklo_epi32((__m256i)low, (__m256i)high);  // lanes 0, 1, 4, 5
-    __m256i second = _mm256_unpackhi_epi32((__m256i)low, (__m256i)high); // lanes 2, 3, 6, 7
-    uint32_t in_first = (mask & 3) | (mask >> 2 & 12), in_second = (mask >> 2 & 3) | (mask >> 4 & 12);
-    __m256i way = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)order[in_first]));
-    _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permutevar8x32_epi32(first, way));
-    way = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)order[in_second]));
-    _mm256_storeu_si256((__m256i *)(void *)(to + __builtin_popcount(in_first)),
-                        _mm256_permutevar8x32_epi32(second, way));
+    __m256i way = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)&sagi_bits_set[mask]));
+    _mm256_storeu_ps(p, _mm256_permutevar8x32_ps((__m256)a, way));
+    _mm256_storeu_si256((__m256i *)(void *)q, _mm256_permutevar8x32_epi32((__m256i)b, way));
 #else
     for (uint32_t left = mask; left != 0; left &= left - 1) {
         int i = __builtin_ctz(left);
-        *to++ = (uint64_t)(uint32_t)high[i] << 32 | (uint32_t)low[i];
+        *p++ = a[i], *q++ = (uint32_t)b[i];
     }
 #endif
-    return __builtin_popcount(mask);
 }
 
 #endif
