@@ -331,15 +331,45 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     }
 }
 
-// The nearest hit of a ray, t, u and v still to be found.
-static inline bool packet_solve(const packet *p, const sag_ray *ray, int32_t nearest, sag_hit *hit) {
-    const sagi_triangle_block *block = p->blocks[nearest >> 3];
-    search s;
-    s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0;
-    level here;
-    enter(&here, p->world, ray, &s);
-    certain_triangle(CLOSEST, &here, block, (uint32_t)nearest & 7);
-    return s.found;
+static inline sagi_d4 packet_corner(const sag_mesh *mesh, const uint32_t *vertex) {
+    const size_t at = 3 * (size_t)*vertex;
+    if (mesh->positions_f32 != NULL) {
+        const float *p = mesh->positions_f32 + at;
+        return sagi_f4_to_d4((sagi_f4){p[0], p[1], p[2], 0});
+    }
+    const double *p = mesh->positions_f64 + at;
+    return (sagi_d4){p[0], p[1], p[2], 0};
+}
+
+// The hits of up to four rays, whose numbers are in `which`: t, u and v, and all that is known already.
+static void packet_solve(const packet *p, const sag_ray *rays, const uint32_t *which, uint32_t count,
+                         sag_hit *hits) {
+    sagi_triangle_four four;
+    uint32_t geometry[4], primitive[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t r = which[i < count ? i : 0];
+        uint32_t nearest = (uint32_t)p->nearest[r / 8][r % 8];
+        const sagi_triangle_block *block = p->blocks[nearest >> 3];
+        geometry[i] = block->head.geometry, primitive[i] = block->primitive[nearest & 7];
+        const sagi_item *item = &p->world->items[geometry[i]];
+        const sag_mesh *mesh = item->shape;
+        const uint32_t *corner = mesh->triangles + 3 * (size_t)primitive[i];
+        four.ray[i] = &rays[r], four.t_max[i] = rays[r].t_max;
+        four.corner[0][i] = packet_corner(mesh, corner);
+        four.corner[1][i] = packet_corner(mesh, corner + (item->mirrored ? 2 : 1));
+        four.corner[2][i] = packet_corner(mesh, corner + (item->mirrored ? 1 : 2));
+    }
+    const uint32_t found = sagi_triangle_solve4(&four, (1U << count) - 1);
+    const search here = {.path_length = 0};
+    for (uint32_t i = 0; i < count; i++) {
+        sag_hit *hit = &hits[which[i]];
+        bool turned = p->world->items[geometry[i]].mirrored;
+        if ((found >> i & 1) != 0)
+            write_hit(&here, geometry[i], primitive[i], four.t[i], turned ? four.v[i] : four.u[i],
+                      turned ? four.u[i] : four.v[i], hit);
+        else if (!intersect(p->world, &rays[which[i]], hit))
+            *hit = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+    }
 }
 
 // The closest hits of PACKET_RAYS rays, where they are a packet; else does nothing and says false.
@@ -353,17 +383,22 @@ static bool packet_intersect(const sagi_world *world, const sag_ray *rays, sag_h
     sagi_float_ray walker;
     if (!packet_make(&p, &walker, world, rays)) return false;
     packet_walk(&p, &walker);
-    for (size_t i = 0; i < PACKET_RAYS; i++) {
-        int32_t nearest = p.nearest[i / 8][i % 8];
-        bool found;
-        if ((p.undecided >> i & 1) != 0) {
-            found = intersect(world, &rays[i], &hits[i]);
-        } else {
-            found = nearest >= 0 &&
-                    (packet_solve(&p, &rays[i], nearest, &hits[i]) || intersect(world, &rays[i], &hits[i]));
-        }
-        if (!found) hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+    uint32_t missing = 0, which[PACKET_RAYS], count = 0;
+    for (uint32_t i = 0; i < PACKET_GROUPS; i++) missing |= sagi_i8_mask(p.nearest[i] < 0) << 8 * i;
+    for (uint32_t left = ~(p.undecided | missing) & (uint32_t)((UINT64_C(1) << PACKET_RAYS) - 1); left != 0;
+         left &= left - 1)
+        which[count++] = (uint32_t)__builtin_ctz(left);
+    for (uint32_t i = 0; i < count; i += 4)
+        packet_solve(&p, rays, which + i, count - i < 4 ? count - i : 4, hits);
+    for (uint32_t left = p.undecided; left != 0; left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(left);
+        if (!intersect(world, &rays[i], &hits[i]))
+            missing |= 1U << i;
+        else
+            missing &= ~(1U << i);
     }
+    for (; missing != 0; missing &= missing - 1)
+        hits[__builtin_ctz(missing)] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
     bool poor = __builtin_popcount(p.undecided) > PACKET_RAYS / 4;
     luck->last_wait = poor ? 2 * luck->last_wait + 1 : 0;
     luck->wait = luck->last_wait &= 31;
