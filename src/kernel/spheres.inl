@@ -83,6 +83,7 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
 // One sphere by itself.
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane) {
     const uint32_t primitive = sagi_sphere_primitives(block)[lane];
+    SAGI_KERNEL_COUNT(solved);
     double t[2];
     sagi_d4 at = sagi_spheres_load(item_of(here, block)->shape, primitive);
     int found = sagi_sphere_solve(at, here->ray, here->t_max, asked != ALL, t);

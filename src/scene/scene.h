@@ -153,6 +153,10 @@ sagi_bvh_primitive *sagi_mesh_boxes(const sagi_world *world, uint32_t geometry, 
                                     uint32_t count, bool all_good, sagi_bvh_primitive *out);
 // The box of a triangle.
 sag_box3 sagi_corners_box(const sag_vec3 p[3]);
+// The same for spheres of a set without a transform (sphere_boxes.c).
+void sagi_sphere_survey(const sag_spheres *set, uint32_t first, uint32_t count, sagi_survey *survey);
+sagi_bvh_primitive *sagi_sphere_boxes(const sagi_world *world, uint32_t geometry, uint32_t first,
+                                      uint32_t count, sagi_bvh_primitive *out);
 // A box in the world's units, rounded outward.
 sagi_bvh_primitive sagi_world_primitive(const sagi_world *world, const sag_box3 *box, uint32_t geometry,
                                         uint32_t primitive);

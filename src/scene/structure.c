@@ -77,6 +77,8 @@ static void survey(void *argument, size_t index) {
         const sagi_item *item = &w->snapshot->items[r.geometry];
         if (item->kind == SAG_SHAPE_MESH)
             sagi_mesh_survey(item->shape, r.first, r.count, &found);
+        else if (item->kind == SAG_SHAPE_SPHERES && item->place == NULL)
+            sagi_sphere_survey(item->shape, r.first, r.count, &found);
         else
             survey_run(w->snapshot, r, &found);
     }
@@ -116,6 +118,10 @@ static void write_boxes(void *argument, size_t index) {
     for (run r; next(&v, &r);) {
         if (s->items[r.geometry].kind == SAG_SHAPE_MESH) {
             out = sagi_mesh_boxes(&s->world, r.geometry, r.first, r.count, all_good, out);
+            continue;
+        }
+        if (s->items[r.geometry].kind == SAG_SHAPE_SPHERES && s->items[r.geometry].place == NULL) {
+            out = sagi_sphere_boxes(&s->world, r.geometry, r.first, r.count, out);
             continue;
         }
         for (uint32_t i = r.first; i < r.first + r.count; i++) {
