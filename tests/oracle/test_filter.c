@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-enum { LINES = 100, SCENES = 1800 };
+enum { LINES = 96, BUNDLE = 16, SCENES = 1300 }; // LINES is a number of bundles
 
 typedef struct tally {
     size_t rays, decisions, hits, wrong;
@@ -139,6 +139,12 @@ static void examine(rng *r, int kind, tally *t) {
         uint32_t about;
         const char *wrong = ask(scene, &lines[i].ray, &truths[i], &about);
         if (wrong && t->wrong++ < 3) report(wrong, &block, &lines[i], about);
+    }
+    check_batch(scene, &block, lines, truths, t);
+    for (int i = 0; i < LINES; i++) {
+        if (i % BUNDLE == 0) adversary_bundle(r, &block, &lines[i], BUNDLE);
+        t->rays++, t->decisions += block.count;
+        if (!truth(&block, &lines[i], one_sided, &truths[i])) t->wrong++;
     }
     check_batch(scene, &block, lines, truths, t);
     sag_scene_destroy(scene);

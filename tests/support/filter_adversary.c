@@ -283,3 +283,53 @@ void adversary_line(rng *r, const exact_block *b, exact_line *l) {
     else
         free_line(r, b, l);
 }
+
+// All of them have directions of the same signs, none with a 0, which differ by a sixteenth at most.
+static bool together(const lattice3 *d, const lattice3 *first) {
+    int64_t largest = 0;
+    for (int k = 0; k < 3; k++) largest = llabs(first->x[k]) > largest ? llabs(first->x[k]) : largest;
+    for (int k = 0; k < 3; k++) {
+        if (llabs(d->x[k]) >= (int64_t)1 << 29) return false;
+        if (d->x[k] == 0 || (d->x[k] < 0) != (first->x[k] < 0)) return false;
+        if (llabs(d->x[k] - first->x[k]) > largest >> 6) return false;
+    }
+    return true;
+}
+
+void adversary_bundle(rng *r, const exact_block *b, exact_line *lines, int count) {
+    uint32_t i = rng_below(r, b->count);
+    lattice3 p = target(r, b, i), o;
+    // From near to far, but so that directions are below 2²⁹; and lines end between whole numbers, too.
+    int64_t size = (int64_t)1 << (4 + rng_below(r, 24)), finer = 0;
+    for (int k = 0; k < 3; k++) {
+        int64_t away = between(r, size / 8, size);
+        o.x[k] = p.x[k] + (rng_one_in(r, 2) ? away : -away);
+        if (llabs(o.x[k]) >= (int64_t)1 << 28) o.x[k] = p.x[k] + (p.x[k] > 0 ? -away : away);
+    }
+    for (; size << finer < (int64_t)1 << 27; finer++) {
+    }
+    finer = between(r, 0, finer);
+    for (int n = 0; n < count; n++) {
+        exact_line *l = &lines[n];
+        *l = (exact_line){.lattice = b->lattice, .origin = o, .exponent = -20 - (int)finer};
+        for (int tries = 0; tries < 20; tries++) {
+            lattice3 q = target(r, b, rng_one_in(r, 3) ? rng_below(r, b->count) : i);
+            for (int k = 0; k < 3; k++)
+                l->direction.x[k] =
+                    (q.x[k] - o.x[k]) * ((int64_t)1 << finer) + between(r, -1, 1) * (finer > 2);
+            if (together(&l->direction, &lines[0].direction)) break;
+            for (int k = 0; k < 3; k++) // the last one again; the first is below 2²⁸
+                l->direction.x[k] =
+                    n > 0 ? lines[n - 1].direction.x[k] : (p.x[k] - o.x[k]) * ((int64_t)1 << finer);
+        }
+        const int64_t *d = l->direction.x;
+        l->ray.direction =
+            sag_vec3_make(scaled(d[0], l->exponent), scaled(d[1], l->exponent), scaled(d[2], l->exponent));
+        l->ray.origin = sag_vec3_make(scaled(o.x[0], b->exponent), scaled(o.x[1], b->exponent),
+                                      scaled(o.x[2], b->exponent));
+        if (n == 0) limit(r, &l->ray, ldexp(1, b->exponent + 20));
+        if (!(lines[0].ray.t_min >= 0)) lines[0].ray.t_min = 0;
+        l->ray.t_min = lines[0].ray.t_min, l->ray.t_max = lines[0].ray.t_max;
+        if (!(l->ray.t_min <= l->ray.t_max)) l->ray.t_max = INFINITY;
+    }
+}

@@ -18,5 +18,8 @@ void adversary_block(rng *r, int kind, exact_block *block);
 void adversary_disturb(rng *r, exact_block *block);
 // A ray at a block, by whole numbers where the block has them and the dice say so.
 void adversary_line(rng *r, const exact_block *block, exact_line *line);
+// `count` rays from one point in directions that are nearly the same, as a camera has them, aimed like the
+// above: what a kernel may answer together.
+void adversary_bundle(rng *r, const exact_block *block, exact_line *lines, int count);
 
 #endif
