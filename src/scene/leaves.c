@@ -19,7 +19,7 @@ static sagi_block_kind kind_of(const sagi_snapshot *s, uint32_t geometry) {
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
     switch (kind_of(snapshot, geometry)) {
     case SAGI_BLOCK_TRIANGLES: return (sagi_leaf_cost){.all = 1.2f};
-    case SAGI_BLOCK_SPHERES: return (sagi_leaf_cost){.all = 1.2f};
+    case SAGI_BLOCK_SPHERES: return (sagi_leaf_cost){.all = 0.6f};
     case SAGI_BLOCK_REFERENCES: break;
     }
     return (sagi_leaf_cost){.all = 0.5f, .each = 2};

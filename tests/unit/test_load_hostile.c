@@ -273,6 +273,49 @@ static void triangle_that_is_not_there(void **state) {
     assert_refused(&file);
 }
 
+// Five times a sphere in one block, with them the same set moved.
+static sagi_block *sphere_file_in_memory(saved *file) {
+    const float centers[15] = {0};
+    const sag_spheres set = {.centers_f32 = centers, .radius = 0.4, .count = 5};
+    const sag_affine move = sag_affine_translate(sag_vec3_make(100, 0, 0));
+    sag_scene *scene = sag_scene_create(context);
+    sag_add_spheres(scene, &set);
+    sag_geometry_set_transform(scene, sag_add_spheres(scene, &set), &move);
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    *file = saved_from(scene, NULL, NULL);
+    sag_scene_destroy(scene);
+    place leaves = find(file, SAGI_FILE_LEAVES, 0);
+    for (size_t at = leaves.at; at < leaves.at + leaves.bytes; at += SAGI_BVH_UNIT) {
+        sagi_block *block = (void *)(file->bytes + at);
+        if (block->kind == SAGI_BLOCK_SPHERES && block->count == 5) return block;
+    }
+    fail();
+    return NULL;
+}
+
+static void sphere_that_is_not_there(void **state) {
+    (void)state;
+    for (int what = 0; what < 8; what++) {
+        rng r = rng_make(16);
+        saved file;
+        sagi_block *block = sphere_file_in_memory(&file);
+        uint32_t *primitive = (uint32_t *)(void *)(block + 1) + 2 * SAGI_BVH_WIDTH;
+        assert_ptr_equal(primitive, sagi_sphere_primitives(block));
+        switch (what) {
+        case 0: primitive[4] = 5; break;
+        case 1: primitive[7] = 1; break; // beyond count
+        case 2: block->geometry = 1; break;
+        case 3: block->geometry = 2; break;
+        case 4: block->exponent = SAGI_GRID_MAX_EXPONENT + 1; break;
+        case 5: block->base |= (uint64_t)1 << 63; break;
+        case 6: block->count = 9; break;
+        default: break; // nothing is wrong
+        }
+        assert_int_equal(try_it(&r, &file), what == 7);
+        saved_free(&file);
+    }
+}
+
 static void index_out_of_range(void **state) {
     (void)state;
     saved file = mesh_file_in_memory();
@@ -357,6 +400,7 @@ int main(void) {
         cmocka_unit_test(tree_in_circles),
         cmocka_unit_test(tree_too_deep),
         cmocka_unit_test(leaf_beyond_the_end),
+        cmocka_unit_test(sphere_that_is_not_there),
         cmocka_unit_test(triangle_that_is_not_there),
         cmocka_unit_test(index_out_of_range),
         cmocka_unit_test(shape_that_is_not_valid),
