@@ -154,7 +154,7 @@ SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const sagi_floa
     sagi_f8 end = sagi_f8_min(sagi_f8_min(way_out(at, r, 0), way_out(at, r, 1)),
                               sagi_f8_min(way_out(at, r, 2), sagi_f8_fill(limit)));
     SAGI_KERNEL_COUNT(nodes);
-    sagi_i8 met = begin <= end;
+    sagi_i8 met = sagi_f8_at_most(begin, end);
     uint32_t mask = sagi_i8_mask(met), lane;
     if (mask == 0) return false;
     if (asked == CLOSEST) {

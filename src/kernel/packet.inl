@@ -208,7 +208,7 @@ SAGI_INLINE void prepare_block(packet_block *out, const packet *p, const sagi_tr
         least_upper = sagi_f8_min(out->number[i] + way, least_upper);
         most_lower = sagi_f8_max(out->number[i] - way, most_lower);
     }
-    sagi_i8 missed = (least_upper < -out->bound) & (most_lower > out->bound);
+    sagi_i8 missed = sagi_f8_below(least_upper, -out->bound) & sagi_f8_above(most_lower, out->bound);
     out->left = ((1U << block->head.count) - 1) & ~sagi_i8_mask(missed);
 }
 
@@ -245,7 +245,8 @@ SAGI_INLINE void packet_triangle(packet *p, size_t group, const packet_block *at
     sagi_f8 least = sagi_f8_min(sagi_f8_min(e[0], e[1]), e[2]),
             most = sagi_f8_max(sagi_f8_max(e[0], e[1]), e[2]);
     sagi_f8 limit = p->limit[group];
-    sagi_i8 maybe = ~((least < -at->bound) & (most > at->bound)) & (limit >= at->begin);
+    sagi_i8 maybe =
+        ~(sagi_f8_below(least, -at->bound) & sagi_f8_above(most, at->bound)) & (limit >= at->begin);
     if (sagi_i8_mask(maybe) == 0) return;
     sagi_f8 w = sagi_f8_fma(z, sagi_f8_fill(at->n.z[lane]),
                             sagi_f8_fma(y, sagi_f8_fill(at->n.y[lane]), x * at->n.x[lane]));

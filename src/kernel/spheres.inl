@@ -55,7 +55,7 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
     sagi_f8 inverse = 1 / dot8(&d, &d), time = dot8(&a, &d) * inverse;
     f8x3 w = {sagi_f8_fma(time, -d.x, a.x), sagi_f8_fma(time, -d.y, a.y), sagi_f8_fma(time, -d.z, a.z)};
     sagi_f8 q = dot8(&w, &w), outer = r + 2, inner = r - 2;
-    answer.uncertain = left &= ~sagi_i8_mask(q > outer * outer);
+    answer.uncertain = left &= ~sagi_i8_mask(sagi_f8_less(outer * outer, q));
     if (left == 0) return answer;
 
     const sagi_f8 none = sagi_f8_fill(0);

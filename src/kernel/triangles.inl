@@ -93,7 +93,7 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
     uint32_t there = (1U << block->head.count) - 1;
     block_answer answer = {.certain = 0, .uncertain = there, .inside = 0};
     if (__builtin_expect(!usual, 0)) return answer;
-    answer.uncertain = there & ~sagi_i8_mask((least < -bound) & (most > bound));
+    answer.uncertain = there & ~sagi_i8_mask(sagi_f8_below(least, -bound) & sagi_f8_above(most, bound));
     if (answer.uncertain == 0) return answer; // all missed: as often as not
 
     // When.
@@ -109,9 +109,11 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
     float last_certain = sagi_float_min((ray->t_max - begin) * grid, last);
     float first_error = b0 + b1 * fabsf(first), last_error = b0 + b1 * fabsf(last);
     sagi_f8 from = t - size * first, until = t - size * last, until_certain = t - size * last_certain;
-    sagi_i8 known = size > 2 * b1, inside = (least > bound) | (most < -bound);
-    sagi_i8 beyond = (until > last_error) | (from < -first_error);
-    sagi_i8 within = (until_certain < -(b0 + b1 * fabsf(last_certain))) & (from > first_error);
+    sagi_i8 known = sagi_f8_above(size, 2 * b1),
+            inside = sagi_f8_above(least, bound) | sagi_f8_below(most, -bound);
+    sagi_i8 beyond = sagi_f8_above(until, last_error) | sagi_f8_below(from, -first_error);
+    sagi_i8 within =
+        sagi_f8_below(until_certain, -(b0 + b1 * fabsf(last_certain))) & sagi_f8_above(from, first_error);
     uint32_t left = answer.uncertain & ~sagi_i8_mask(beyond & known);
     answer.certain = left & sagi_i8_mask(inside & within & known);
     answer.uncertain = left & ~answer.certain;

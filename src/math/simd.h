@@ -72,6 +72,10 @@ SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return (sagi_
 // a < b ? a : b and a > b ? a : b
 SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_min_ps(a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_max_ps(a, b); }
+// −1 in lanes where a < b, or a ≤ b, else 0: as the operators say it, but well on all machines
+// (simd_halves.h).
+SAGI_INLINE sagi_i8 sagi_f8_less(sagi_f8 a, sagi_f8 b) { return a < b; }
+SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) { return a <= b; }
 // a b − p, rounded once: for p the rounded product, the product's error, and exact.
 SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
     return (sagi_d4)_mm256_fmsub_pd(a, b, p);
@@ -124,67 +128,19 @@ SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) {
     return (sagi_f4){(float)a[0], (float)a[1], (float)a[2], (float)a[3]};
 }
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4){a[0], a[1], a[2], a[3]}; }
-SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
-    sagi_h8 h;
-    memcpy(&h, p, sizeof h);
-    return __builtin_convertvector(__builtin_convertvector(h, sagi_i8), sagi_f8);
-}
 SAGI_INLINE uint32_t sagi_d4_signs(sagi_d4 a) {
     uint32_t signs = 0;
     for (int i = 0; i < 4; i++) signs |= (uint32_t)(((sagi_l4)a)[i] < 0) << i;
     return signs;
 }
-SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
-    int32_t least = a[0];
-    for (int i = 1; i < 8; i++) least = a[i] < least ? a[i] : least;
-    return least;
-}
 
-#ifdef SAGI_SIMD_SSE4
-typedef union sagi_halves {
-    sagi_f8 all;
-    __m128 half[2];
-} sagi_halves;
-SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) {
-    sagi_halves x = {a}, y = {b};
-    for (int i = 0; i < 2; i++) x.half[i] = _mm_min_ps(x.half[i], y.half[i]);
-    return x.all;
-}
-SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) {
-    sagi_halves x = {a}, y = {b};
-    for (int i = 0; i < 2; i++) x.half[i] = _mm_max_ps(x.half[i], y.half[i]);
-    return x.all;
-}
-SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
-    sagi_halves x = {a};
-    for (int i = 0; i < 2; i++) x.half[i] = _mm_sqrt_ps(x.half[i]);
-    return x.all;
-}
-SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
-    sagi_halves x = {(sagi_f8)a};
-    return (uint32_t)(_mm_movemask_ps(x.half[0]) | _mm_movemask_ps(x.half[1]) << 4);
-}
+#if defined(SAGI_SIMD_SSE4) || defined(SAGI_SIMD_NEON)
+#include "math/simd_halves.h"
 #else
+SAGI_INLINE sagi_i8 sagi_f8_less(sagi_f8 a, sagi_f8 b) { return a < b; }
+SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) { return a <= b; }
 SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a < b, a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a > b, a, b); }
-#ifdef SAGI_SIMD_NEON
-SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
-    union {
-        sagi_f8 all;
-        float32x4_t half[2];
-    } x = {a};
-    for (int i = 0; i < 2; i++) x.half[i] = vsqrtq_f32(x.half[i]);
-    return x.all;
-}
-SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
-    a &= (sagi_i8){1, 2, 4, 8, 16, 32, 64, 128};
-    union {
-        sagi_i8 all;
-        int32x4_t half[2];
-    } x = {a};
-    return (uint32_t)(vaddvq_s32(x.half[0]) + vaddvq_s32(x.half[1]));
-}
-#else
 SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
     for (int i = 0; i < 8; i++) a[i] = __builtin_sqrtf(a[i]);
     return a;
@@ -194,9 +150,21 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     for (int i = 0; i < 8; i++) mask |= (uint32_t)(a[i] != 0) << i;
     return mask;
 }
+SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
+    int32_t least = a[0];
+    for (int i = 1; i < 8; i++) least = a[i] < least ? a[i] : least;
+    return least;
+}
+SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
+    sagi_h8 h;
+    memcpy(&h, p, sizeof h);
+    return __builtin_convertvector(__builtin_convertvector(h, sagi_i8), sagi_f8);
+}
 #endif
 #endif
-#endif
+
+SAGI_INLINE sagi_i8 sagi_f8_below(sagi_f8 a, float x) { return sagi_f8_less(a, sagi_f8_fill(x)); }
+SAGI_INLINE sagi_i8 sagi_f8_above(sagi_f8 a, float x) { return sagi_f8_less(sagi_f8_fill(x), a); }
 
 // The greatest of eight.
 SAGI_INLINE float sagi_f8_most(sagi_f8 a) {
