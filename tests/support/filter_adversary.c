@@ -224,6 +224,22 @@ static void limit(rng *r, sag_ray *ray, double t) {
 
 static double scaled(int64_t x, int exponent) { return ldexp((double)x, exponent); }
 
+// From the middle of the scene, where the float ray's own place says nothing of how exact it has to be, to a
+// point and as far beyond.
+static lattice3 middle_of(const exact_block *b) {
+    lattice3 middle;
+    for (int k = 0; k < 3; k++) {
+        int64_t lo = b->corner_of[0][0].x[k], hi = lo;
+        for (uint32_t i = 0; i < b->count; i++)
+            for (int j = 0; j < 3; j++) {
+                int64_t x = b->corner_of[i][j].x[k];
+                lo = x < lo ? x : lo, hi = x > hi ? x : hi;
+            }
+        middle.x[k] = lo + (hi - lo) / 2;
+    }
+    return middle;
+}
+
 static void lattice_line(rng *r, const exact_block *b, exact_line *l) {
     uint32_t i = rng_below(r, b->count);
     lattice3 p = target(r, b, i);
@@ -237,6 +253,11 @@ static void lattice_line(rng *r, const exact_block *b, exact_line *l) {
     if (!rng_one_in(r, 6)) steps = between(r, 0, most >> rng_below(r, 30));
     if (rng_one_in(r, 3)) steps = -steps;
     for (int k = 0; k < 3; k++) l->origin.x[k] = p.x[k] - steps * l->direction.x[k];
+    if (rng_one_in(r, 8)) {
+        l->origin = middle_of(b), steps = 1;
+        for (int k = 0; k < 3; k++) l->direction.x[k] = p.x[k] - l->origin.x[k];
+        if (l->direction.x[0] == 0 && l->direction.x[1] == 0) l->direction.x[0] = 1;
+    }
     if (rng_one_in(r, 16)) l->origin.x[rng_below(r, 3)] += l->origin.x[0] > 0 ? -1 : 1;
     l->lattice = true;
     l->ray = (sag_ray){.mask = 0};
