@@ -69,8 +69,14 @@ SAGI_INLINE void write_answer(question asked, const crowd *c, size_t ray, bool f
 static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f) {
     while (c->begun < c->count) {
         f->ray = c->number[c->begun++];
+        // Its answer's place, and the ray that comes a few turns later.
         search *s = &f->search;
         s->best = asked == CLOSEST ? &c->hits[f->ray] : NULL;
+        if (asked == CLOSEST) {
+            __builtin_prefetch(s->best, 1);
+            __builtin_prefetch((const char *)s->best + sizeof *s->best - 1, 1);
+        }
+        if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
         s->found = false, s->both_sides = false, s->path_length = 0;
         enter(&f->here, c->world, &c->rays[f->ray], s);
         bool over;

@@ -218,9 +218,11 @@ static inline bool add_candidate(level *here, const sagi_block *block, uint32_t 
 
 static inline void add_triangle(level *here, const sagi_triangle_block *block, const block_answer *answer,
                                 uint32_t lane, float begin) {
-    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
+    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0. A hit before the block's box, as a triangle
+    // that stands in several leaves may have it, is the matter of the leaf that holds it.
     float step = (float)power_of_two(-(int)block->head.exponent);
     float t = answer->t[lane], d = answer->d[lane];
+    if (t + answer->b0 < 0) return;
     float latest = begin + (t + answer->b0) / (d - answer->b1) * step;
     float earliest = begin + sagi_float_max((t - answer->b0) / (d + answer->b1), 0) * step;
     latest *= 1 + 0x1p-20F, earliest *= 1 - 0x1p-20F;
