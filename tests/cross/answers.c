@@ -160,8 +160,10 @@ static bool check(const char *name, sag_scene *scene, uint64_t expected) {
 }
 
 int main(int argc, char **argv) {
-    static const model models[] = {
-        {"net", add_net, 0xc9382349eb20e943}, {"loose", add_loose, 0x73018915aa1d2c48}, {"balls", add_balls, 0x074910209881df12}, {"shapes", add_shapes, 0xe5979765482f7ca6}};
+    static const model models[] = {{"net", add_net, 0xc9382349eb20e943},
+                                   {"loose", add_loose, 0x73018915aa1d2c48},
+                                   {"balls", add_balls, 0x074910209881df12},
+                                   {"shapes", add_shapes, 0xe5979765482f7ca6}};
     sag_context *context = sag_context_create(&(sag_context_options){.thread_count = 2});
     if (context == NULL) return 2;
     const char *isa = sag_context_isa(context);
