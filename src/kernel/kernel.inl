@@ -207,6 +207,12 @@ SAGI_INLINE bool pop(question asked, float limit, stack *waits, waiting *next) {
     return true;
 }
 
+// (A function of its own: in one with the loop, the registers would not do for both.)
+static __attribute__((noinline)) bool leaf_apart(question asked, level *here, const sagi_block *block,
+                                                 float begin) {
+    return leaf(asked, here, block, begin);
+}
+
 // True when the search is over.
 SAGI_INLINE bool walk(question asked, level *here) {
     bool over;
@@ -219,7 +225,7 @@ SAGI_INLINE bool walk(question asked, level *here) {
     for (;;) {
         if ((next.child & SAGI_BVH_LEAF) == 0) {
             if (step(asked, &tree->nodes[next.child], &here->tree_ray, here->limit, &waits, &next)) continue;
-        } else if (leaf(asked, here, sagi_leaf(tree, next.child), next.begin)) {
+        } else if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) {
             return true;
         }
         if (!pop(asked, here->limit, &waits, &next)) break;
