@@ -110,7 +110,7 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
                       world->spread_relative +
                   world->spread_absolute) *
                  world->scale * 0x1p-50;
-    if (!(largest > 0x1p-400 && largest < 0x1p400 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
+    if (!(largest > 0x1p-100 && largest < 0x1p100 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
           (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
         return false;
 
