@@ -142,7 +142,7 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
     walker->far_scale = far_scale, walker->far_add = far_add;
     walker->planes = sagi_planes[sagi_d4_signs(lo) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
-    walker->from = (float)(first * (1 - 0x1p-22));
+    walker->from = (float)(first * (1 - 0x1p-22)) + 0.0F; // not −0
     p->t_min = first, p->t_max = (float)(last * (1 - 0x1p-22));
     p->error = 0x1p-43 + spread;
     p->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;

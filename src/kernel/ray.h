@@ -84,7 +84,7 @@ typedef struct sagi_float_ray {
     sagi_f4 near_scale, near_add; // entry = plane · scale + add
     sagi_f4 far_scale, far_add;   // exit
     sagi_plane_order planes;
-    float from;         // a lower bound of the τ that matter, at least 0
+    float from;         // a lower bound of the τ that matter, at least 0 and not −0
     float t_max, limit; // lower and upper bound of τ of the ray's t_max
     sagi_f4 direction;  // D, rounded
     sagi_d4 p, d;       // P and D
@@ -255,7 +255,7 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     out->planes = sagi_planes[sagi_d4_signs(d) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
     out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
-    out->t_min = first, out->from = (float)(first * (1 - 0x1p-22));
+    out->t_min = first, out->from = (float)(first * (1 - 0x1p-22)) + 0.0F; // a t_min of −0 is not less than 0
     out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
     out->error = 0x1p-43 + spread;
     return true;

@@ -346,6 +346,86 @@ static void subnormal_times(void **state) {
     sag_scene_destroy(scene);
 }
 
+// A t_min of −0 is not negative, but as a whole number it came before all others: a ray that begins in the
+// scene took the place of a missing child for a box that it meets, without end.
+static void minus_zero(void **state) {
+    (void)state;
+    rng r = rng_make(31);
+    for (uint32_t count = 1; count < 200; count += 1 + count / 4) {
+        double p[9 * 200];
+        uint32_t t[3 * 200];
+        for (uint32_t i = 0; i < 3 * count; i++) {
+            sag_vec3 at = rng_vec3(&r, i % 3 == 0 ? 1 : 0.1);
+            for (int k = 0; k < 3; k++)
+                p[3 * i + (uint32_t)k] =
+                    sag_component(at, k) + (i % 3 == 0 ? 0 : p[9 * (i / 3) + (uint32_t)k]);
+            t[i] = i;
+        }
+        sag_mesh mesh = {
+            .positions_f64 = p, .vertex_count = 3 * count, .triangles = t, .triangle_count = count};
+        sag_scene *scene = scene_of(&mesh);
+        for (int n = 0; n < 200; n++) {
+            enum { RAYS = 16 };
+            sag_ray rays[RAYS];
+            sag_hit hits[RAYS], hit;
+            bool dark[RAYS];
+            sag_vec3 origin = rng_vec3(&r, 1), direction = rng_direction(&r);
+            for (int i = 0; i < RAYS; i++) {
+                rays[i] = sag_ray_make(origin, sag_add(direction, rng_vec3(&r, 0.01)));
+                rays[i].t_min = -0.0;
+            }
+            sag_intersect_batch(scene, rays, hits, RAYS);
+            sag_occluded_batch(scene, rays, dark, RAYS);
+            for (int i = 0; i < RAYS; i++) {
+                sag_ray ray = rays[i];
+                ray.t_min = 0;
+                bool found = sag_intersect(scene, &ray, &hit);
+                assert_int_equal(dark[i], found);
+                assert_int_equal(hits[i].geometry != SAG_INVALID_ID, found);
+                if (found) assert_memory_equal(&hit, &hits[i], sizeof hit);
+                assert_int_equal(sag_intersect(scene, &rays[i], &hit), found);
+                assert_int_equal(sag_occluded(scene, &rays[i]), found);
+                assert_int_equal(sag_count_crossings(scene, &rays[i]), sag_count_crossings(scene, &ray));
+            }
+        }
+        sag_scene_destroy(scene);
+    }
+}
+
+// Where the scene is so small and the direction so long that the unit of τ overflowed, nothing was met.
+static void long_directions_in_small_scenes(void **state) {
+    (void)state;
+    size_t met = 0;
+    for (int size = 0; size > -900; size -= 25) {
+        double unit = ldexp(1, size);
+        sag_sphere spheres[2] = {{.center = {0, 0, 0}, .radius = unit},
+                                 {.center = {3 * unit, 0, 0}, .radius = unit}};
+        sag_scene *scene = sag_scene_create(context);
+        for (int i = 0; i < 2; i++) sag_add_sphere(scene, &spheres[i]);
+        assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+        for (int length = -400; length < 1000; length += 25) {
+            sag_ray rays[16];
+            sag_hit hits[16], hit, expected;
+            for (int i = 0; i < 16; i++)
+                rays[i] =
+                    sag_ray_make(sag_vec3_make(-5 * unit, 0.1 * unit, 0.2 * unit),
+                                 sag_vec3_make(ldexp(1, length), ldexp(1e-3, length), ldexp(i, length - 7)));
+            sag_intersect_batch(scene, rays, hits, 16);
+            for (int i = 0; i < 16; i++) {
+                bool found = sag_sphere_hit(&spheres[0], &rays[i], &expected);
+                met += found;
+                assert_int_equal(sag_intersect(scene, &rays[i], &hit), found);
+                assert_int_equal(hits[i].geometry != SAG_INVALID_ID, found);
+                assert_int_equal(sag_occluded(scene, &rays[i]), found);
+                if (found) assert_memory_equal(&hit.t, &expected.t, sizeof hit.t);
+                if (found) assert_memory_equal(&hits[i].t, &expected.t, sizeof hit.t);
+            }
+        }
+        sag_scene_destroy(scene);
+    }
+    assert_true(met > 1000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(embree_small_triangle_hit),
@@ -353,6 +433,8 @@ int main(void) {
         cmocka_unit_test(tinybvh_192),
         cmocka_unit_test(trimesh_2524),
         cmocka_unit_test(subnormal_times),
+        cmocka_unit_test(minus_zero),
+        cmocka_unit_test(long_directions_in_small_scenes),
         cmocka_unit_test(open3d_5669),
         cmocka_unit_test(one_sided_meshes_contain),
         cmocka_unit_test(ifc_lite_3561),
