@@ -175,17 +175,19 @@ static sag_status take_tasks(const sag_context *context, collapse *c, uint32_t e
     take_top(&w, end, c->tasks);
     for (uint32_t i = 0; i < c->task_count; i++) c->writers[i] = c->start;
     sag_parallel_for(context, c->task_count, run_task, c);
-    uint32_t node = top->next_node, unit = top->next_unit;
+    uint64_t node = top->next_node, unit = top->next_unit;
     tree->leaf_count = top->leaf_count, tree->depth = top->depth;
     for (uint32_t i = 0; i < c->task_count; i++) {
         writer counted = c->writers[i];
         c->writers[i] = c->start;
-        c->writers[i].next_node = node, c->writers[i].next_unit = unit;
+        c->writers[i].next_node = (uint32_t)node, c->writers[i].next_unit = (uint32_t)unit;
         node += counted.next_node, unit += counted.next_unit;
         tree->leaf_count += counted.leaf_count;
         if (counted.depth > tree->depth) tree->depth = counted.depth;
     }
-    tree->node_count = tree->node_capacity = node, tree->unit_count = unit;
+    // More than there are numbers for.
+    if (node >= SAGI_BVH_LEAF || unit >= SAGI_BVH_LEAF) return SAG_ERROR_MEMORY;
+    tree->node_count = tree->node_capacity = (uint32_t)node, tree->unit_count = (uint32_t)unit;
     sag_status status = allocate_tree(context, tree);
     if (status != SAG_OK) return status;
     w = c->start;
