@@ -47,7 +47,7 @@
 //     a = fl(−(p ± w) r'),   r' the scale,   w = 2⁻²¹|p| + 2⁻⁴⁰ + spread, the sign being D's for the entry:
 // p is off by v|P| and δ, its sum with w by v|p|, the product by v|p r'|, the fused sum by v of |a| or of N
 // and the product b r' by v|b r'| ≤ v(|P r'| + |N|): 4.1v|p| < 2⁻²¹|p| pays for those that go with P, and the
-// factor, at least 5.8v away from ρ, for those that go with N. That is the same bound in coarser coin: boxes
+// factor, at least 4.8v away from ρ, for those that go with N. That is the same bound in coarser coin: boxes
 // widened by 2⁻²¹ of the distance from the scene's middle.
 #ifndef SAGI_KERNEL_RAY_H
 #define SAGI_KERNEL_RAY_H

@@ -4,7 +4,7 @@
 // for one ray and triangle, vectors of three being vectors of the machine; and for four, each number being
 // such a vector, of which each lane is a ray and a triangle of its own.
 //
-// Wants REAL; MASK, what a comparison of REALs gives; ABS and MAX of REALs; STEP(name); and these:
+// Wants REAL; MASK, what a comparison of REALs gives; ABS of a REAL; STEP(name); and these:
 // STEP(vec3), of three REALs, and STEP(sub), mul, scale, abs, turn (y z x), largest (of the three),
 // product_error (what a REAL times a vector has lost), sum2 and sum4 (of each of so many vectors, (x + y) +
 // z).
@@ -102,4 +102,3 @@ SAGI_INLINE MASK STEP(conclude)(const STEP(pair) * of, STEP(step) * s) {
 #undef MASK
 #undef STEP
 #undef ABS
-#undef MAX
