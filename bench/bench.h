@@ -105,6 +105,9 @@ double subject_single(void *run); // seconds; a call a ray
 double subject_batch(void *run);  // seconds; one call for all
 void subject_answers(const subject_run *r, answer *answers);
 
+// ---- stages.c: how often each stage of the traversal runs, a ray of this set; single calls on one thread.
+void print_stages(const subject *s, const ray_set *set, subject_run *run);
+
 // ---- peer.c: Embree, where it was found; without it peer_name returns NULL and nothing else is called.
 typedef struct peer peer;
 enum { PEER_LOW, PEER_MEDIUM, PEER_HIGH, PEER_QUALITY_COUNT };

@@ -29,6 +29,7 @@ static const char usage[] =
     "  --no-embree      Sagitta alone\n"
     "  --plant          spoil some of Sagitta's answers before they are judged; the exit code says whether\n"
     "                   all of them, and no others, were found\n"
+    "  --stages         count instead of measuring: how often each stage of the traversal runs, a ray\n"
     "  --quick          256 × 256 rays, one repeat, smaller generated models: does it work?\n"
     "\n"
     "Rays are given as floats to both. Speeds are millions a second. \"single\": a call a ray; \"batch\": "
@@ -46,7 +47,7 @@ typedef struct options {
     const char *json;
     uint32_t threads, side, repeats, terrain, spheres;
     unsigned sets; // 0: all
-    bool build, embree, plant;
+    bool build, embree, plant, stages;
 } options;
 
 typedef struct bench {
@@ -91,10 +92,17 @@ static void measure_sets(bench *b, const model *m, ray_set sets[SET_COUNT], unsi
     subject s =
         subject_create(m, &(subject_options){.isa = isa, .quality = quality, .threads = threads}, &ignored);
     if (sets[0].rays == NULL) sets_make(sets, wanted, m, s.scene, b->o.side);
-    print_set_heading(threads, sag_context_isa(s.context), quality);
+    if (!b->o.stages) print_set_heading(threads, sag_context_isa(s.context), quality);
     size_t first = b->report.result_count;
     for (int i = 0; i < SET_COUNT; i++) {
         if (sets[i].count == 0) continue;
+        if (b->o.stages) {
+            subject_run run;
+            subject_run_init(&run, &s, &sets[i], 1);
+            print_stages(&s, &sets[i], &run);
+            subject_run_clear(&run);
+            continue;
+        }
         result r = {
             .set = sets[i].name, .quality = quality, .spheres = m->sphere_count > 0, .threads = threads};
         memcpy(r.model, m->name, sizeof r.model);
@@ -103,7 +111,7 @@ static void measure_sets(bench *b, const model *m, ray_set sets[SET_COUNT], unsi
         print_set(&r);
         report_add_result(&b->report, &r);
     }
-    print_set_means(b->report.results + first, b->report.result_count - first);
+    if (!b->o.stages) print_set_means(b->report.results + first, b->report.result_count - first);
     subject_destroy(&s);
 }
 
@@ -219,6 +227,7 @@ enum {
     NO_BUILD,
     NO_EMBREE,
     PLANT,
+    STAGES,
     QUICK,
     HELP
 };
@@ -236,6 +245,7 @@ static const struct option long_options[] = {{"mesh", required_argument, NULL, M
                                              {"no-build", no_argument, NULL, NO_BUILD},
                                              {"no-embree", no_argument, NULL, NO_EMBREE},
                                              {"plant", no_argument, NULL, PLANT},
+                                             {"stages", no_argument, NULL, STAGES},
                                              {"quick", no_argument, NULL, QUICK},
                                              {"help", no_argument, NULL, HELP},
                                              {0}};
@@ -256,6 +266,7 @@ static bool take(options *o, int option, const char *value) {
     case NO_BUILD: return o->build = false, true;
     case NO_EMBREE: return o->embree = false, true;
     case PLANT: return o->plant = true;
+    case STAGES: o->build = o->embree = false, o->threads = 1; return o->stages = true;
     case QUICK: return o->side = 256, o->repeats = 1, true;
     default: return false;
     }
@@ -288,7 +299,7 @@ int main(int argc, char **argv) {
            b.o.repeats);
     bool failed = false;
     measure_all(&b, &failed);
-    print_summary(&b.report);
+    if (!b.o.stages) print_summary(&b.report);
     if (b.o.json != NULL && !json_write(&b.report, b.o.json)) failed = true;
     for (size_t i = 0; i < b.report.result_count; i++)
         failed |= b.report.results[i].settled.sagitta_wrong != b.report.results[i].planted ||

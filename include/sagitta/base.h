@@ -80,7 +80,7 @@ typedef struct sag_allocator {
     void (*release)(void *user, void *memory, size_t size_bytes, size_t alignment_bytes);
 } sag_allocator;
 
-/// The caller's own scheduler, in place of the context's threads. `run` calls `task(argument, i)` once for
+/// The caller's own scheduler, in place of the context's threads (whose stacks should be of 512 KiB at least). `run` calls `task(argument, i)` once for
 /// each i in [0, count), on any threads, in any order, and returns when all are done. Zero-initialised: the
 /// context's pool.
 typedef struct sag_executor {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What rays ask of a committed scene: thin doors to the kernel chosen for this machine.
 #include "scene/scene.h"
-#include <string.h>
 
 bool sag_intersect(const sag_scene *scene, const sag_ray *ray, sag_hit *hit) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
@@ -87,7 +86,7 @@ void sag_intersect_batch(const sag_scene *scene, const sag_ray *rays, sag_hit *h
 void sag_occluded_batch(const sag_scene *scene, const sag_ray *rays, bool *occluded, size_t count) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
     if (s == NULL) {
-        memset(occluded, 0, count * sizeof *occluded);
+        for (size_t i = 0; i < count; i++) occluded[i] = false;
         return;
     }
     batch b = {.scene = scene, .snapshot = s, .rays = rays, .occluded = occluded, .count = count};
