@@ -139,7 +139,7 @@ static const char *check_units(const sagi_snapshot *s) {
     const sag_box3 *b = &s->stats.bounds;
     int exponent;
     if (!is_place(w->origin)) return "the origin is not a place";
-    if (frexp(w->scale, &exponent) != 0.5 || exponent < -1000 || exponent > 1000)
+    if (frexp(w->scale, &exponent) != 0.5 || exponent < -901 || exponent > 901)
         return "the scale is no power of two";
     if (sag_box3_is_empty(b) ? w->tree.node_count > 0 : !is_place(b->min) || !is_place(b->max))
         return "the bounds are no box";
