@@ -50,7 +50,7 @@ done
 
 echo "== sources"
 tracked 'src/*' 'include/*' 'docs/skeleton/*' 'tools/*' 'tests/*' 'bench/*' 'examples/*.c' 'scripts/*' 'python/*' 'cmake/*' CMakeLists.txt Makefile |
-  grep -vE '\.(png|exr|pfm|jpg|ply|npy|csv|pbrt)$' >"$gcc_build/lint-files"
+  grep -vE '\.(png|exr|pfm|jpg|ply|npy|csv|pbrt|md|json)$' >"$gcc_build/lint-files"
 while read -r file; do
   [ -f "$file" ] || continue
   lines=$(wc -l <"$file")

@@ -29,15 +29,13 @@ typedef struct sagi_item {
 } sagi_item;
 
 struct sagi_world {
-    sagi_bvh tree; // boxes are ((p − origin) · scale), within [−1, 1]
+    sagi_d4 center, lower, upper; // the origin, and the tree's box, in doubles for ray.h
+    sagi_bvh tree;                // boxes are ((p − origin) · scale), within [−1, 1]
     sag_vec3 origin;
     double scale; // a power of two
-    // What the above says, in doubles for ray.h: the origin, and the tree's box.
-    sagi_d4 center, lower, upper;
     const sagi_item *items;
-    uint32_t item_count;
     const sagi_bvh_reference *unbounded; // tested for every ray
-    uint32_t unbounded_count;
+    uint32_t item_count, unbounded_count;
     uint32_t instance_levels; // 0 without instances, else one more than the children's most
     // A ray with origin o that is brought to an object's space and back is off by at most
     // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing

@@ -90,7 +90,7 @@ static sag_status get_arrays(reader *r, uint32_t scene, uint32_t id, sag_shape_k
                                                      .geometry = id,
                                                      .part = (uint32_t)k,
                                                      .bytes = parts[k].bytes},
-                                 "a geometry's arrays", (void *)(uintptr_t)parts[k].from);
+                                 "a geometry's arrays", (void *)parts[k].from);
     return status;
 }
 
@@ -293,7 +293,7 @@ static bool keep_cell(reader *r, sagi_cell *cell) {
 
 static sag_status get_scenes(reader *r, sag_scene **out) {
     while (r->count < r->scene_count) {
-        sag_scene *scene = sag_scene_create((sag_context *)(uintptr_t)r->context);
+        sag_scene *scene = sag_scene_create((sag_context *)r->context);
         sag_status status = scene != NULL ? get_scene(r, scene) : no_memory(r);
         if (status == SAG_OK && r->count + 1 == r->scene_count && r->offset != r->bytes)
             status = wrong(r, "the file goes on after its end");

@@ -108,7 +108,7 @@ sagi_store *sagi_store_create(const sag_context *context, sag_shape_kind kind, c
     int count = sagi_shape_parts(kind, shape, from);
     sagi_shape_parts(kind, store->shape, to);
     for (int i = 0; i < count; i++)
-        if (from[i].from != NULL) memcpy((void *)(uintptr_t)to[i].from, from[i].from, from[i].bytes);
+        if (from[i].from != NULL) memcpy((void *)to[i].from, from[i].from, from[i].bytes);
     return store;
 }
 

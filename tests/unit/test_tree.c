@@ -23,7 +23,8 @@ typedef struct test_leaf {
 // Odd geometries are tested one by one, even ones together.
 static sagi_leaf_cost leaf_cost(const void *user, uint32_t geometry) {
     (void)user;
-    return geometry % 2 == 0 ? (sagi_leaf_cost){.all = 1.2f} : (sagi_leaf_cost){.all = 0.5f, .each = 2};
+    if (geometry % 2 == 0) return (sagi_leaf_cost){.all = 1.2f};
+    return (sagi_leaf_cost){.all = 0.5f, .each = 2};
 }
 
 static uint32_t leaf_units(const void *user, uint32_t geometry, uint32_t count) {
