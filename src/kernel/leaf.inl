@@ -171,7 +171,11 @@ static inline bool run(question asked, level *here, sag_shape_kind kind, const s
     return single_run(asked, here, kind, refs, count);
 }
 
-// Cuts references into runs of one kind.
+// Cuts references into runs of one kind. bench/dispatch defines SAGI_KERNEL_OTHER_LIST and measures other ways
+// in its place.
+#ifdef SAGI_KERNEL_OTHER_LIST
+static bool list(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count);
+#else
 static __attribute__((noinline)) bool list(question asked, level *here, const sagi_bvh_reference *refs,
                                            uint32_t count) {
     for (uint32_t i = 0, n; i < count; i += n) {
@@ -182,6 +186,7 @@ static __attribute__((noinline)) bool list(question asked, level *here, const sa
     }
     return false;
 }
+#endif
 
 // A leaf of the tree that the ray meets at τ = begin at the earliest. Shapes are asked with the t_max that is
 // known by then.
