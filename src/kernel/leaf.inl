@@ -171,8 +171,8 @@ static inline bool run(question asked, level *here, sag_shape_kind kind, const s
     return single_run(asked, here, kind, refs, count);
 }
 
-// Cuts references into runs of one kind. bench/dispatch defines SAGI_KERNEL_OTHER_LIST and measures other ways
-// in its place.
+// Cuts references into runs of one kind. bench/dispatch defines SAGI_KERNEL_OTHER_LIST and measures other
+// ways in its place.
 #ifdef SAGI_KERNEL_OTHER_LIST
 static bool list(question asked, level *here, const sagi_bvh_reference *refs, uint32_t count);
 #else
