@@ -122,7 +122,7 @@ typedef enum sag_quality {
     SAG_QUALITY_DEFAULT = 0, ///< a binned surface area heuristic: right for nearly everything
     /// Builds in about 0.6 of the time, traces 6 % (scans) to 15 % (machine parts) slower.
     SAG_QUALITY_FAST,
-    /// Builds in 15 to 30 times the time. Traces 15 to 25 % faster where the triangles of a mesh are long,
+    /// Builds in 10 to 30 times the time. Traces 15 to 25 % faster where the triangles of a mesh are long,
     /// thin or of many sizes (machines, wires, slanted slabs), 0 to 3 % where they are much alike (scans).
     SAG_QUALITY_HIGH,
 } sag_quality;

@@ -46,8 +46,8 @@ typedef struct candidate {
 typedef struct level {
     const sagi_world *world;
     search *search;
-    const sag_ray *ray; // as it came, but for
-    double t_max;       // for CLOSEST the best t so far
+    const sag_ray *ray; // as it came
+    double t_max;       // in place of the ray's own: for CLOSEST the best t so far
     uint32_t mask;      // never 0
     uint32_t candidate_count;
     bool in_tree; // tree_ray is there
@@ -127,7 +127,7 @@ typedef struct waiting {
     uint32_t child;
 } waiting;
 
-// Those that wait, of `room` places; eight are written at a time, however few are met.
+// Those that wait. Eight are written at a time, however few are met: the arrays have room for so many more.
 typedef struct stack {
     float *begin;
     uint32_t *child;
