@@ -164,10 +164,7 @@ static __attribute__((noinline)) void settle_four(flight *const at[], uint32_t c
         item[i] = item_of(here, c->block);
         four.ray[i] = here->ray;
         four.t_max[i] = here->t_max;
-        sagi_d4 corner[3];
-        sagi_mesh_corners(item[i]->shape, sagi_block_reference(c->block, c->lane).primitive,
-                          item[i]->mirrored, corner);
-        for (int k = 0; k < 3; k++) four.corner[k][i] = corner[k];
+        put_corners(&four, i, item[i], sagi_block_reference(c->block, c->lane).primitive);
     }
     uint32_t hit = sagi_triangle_solve4(&four, (1U << count) - 1);
     for (; hit != 0; hit &= hit - 1) {

@@ -332,16 +332,6 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     }
 }
 
-static inline sagi_d4 packet_corner(const sag_mesh *mesh, const uint32_t *vertex) {
-    const size_t at = 3 * (size_t)*vertex;
-    if (mesh->positions_f32 != NULL) {
-        const float *p = mesh->positions_f32 + at;
-        return sagi_f4_to_d4((sagi_f4){p[0], p[1], p[2], 0});
-    }
-    const double *p = mesh->positions_f64 + at;
-    return (sagi_d4){p[0], p[1], p[2], 0};
-}
-
 // The hits of up to four rays, whose numbers are in `which`: t, u and v, and all that is known already.
 static void packet_solve(const packet *p, const sag_ray *rays, const uint32_t *which, uint32_t count,
                          sag_hit *hits) {
@@ -352,13 +342,8 @@ static void packet_solve(const packet *p, const sag_ray *rays, const uint32_t *w
         uint32_t nearest = (uint32_t)p->nearest[r / 8][r % 8];
         const sagi_triangle_block *block = p->blocks[nearest >> 3];
         geometry[i] = block->head.geometry, primitive[i] = block->primitive[nearest & 7];
-        const sagi_item *item = &p->world->items[geometry[i]];
-        const sag_mesh *mesh = item->shape;
-        const uint32_t *corner = mesh->triangles + 3 * (size_t)primitive[i];
         four.ray[i] = &rays[r], four.t_max[i] = rays[r].t_max;
-        four.corner[0][i] = packet_corner(mesh, corner);
-        four.corner[1][i] = packet_corner(mesh, corner + (item->mirrored ? 2 : 1));
-        four.corner[2][i] = packet_corner(mesh, corner + (item->mirrored ? 1 : 2));
+        put_corners(&four, i, &p->world->items[geometry[i]], primitive[i]);
     }
     const uint32_t found = sagi_triangle_solve4(&four, (1U << count) - 1);
     const search here = {.path_length = 0};

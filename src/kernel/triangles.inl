@@ -153,6 +153,14 @@ static inline void fetch_corners(const level *here, const candidate *c) {
     }
 }
 
+// One of four hits that are solved at once.
+static inline void put_corners(sagi_triangle_four *four, uint32_t i, const sagi_item *item,
+                               uint32_t primitive) {
+    sagi_d4 corner[3];
+    sagi_mesh_corners(item->shape, primitive, item->mirrored, corner);
+    for (int k = 0; k < 3; k++) four->corner[k][i] = corner[k];
+}
+
 static inline sagi_triangle_ray triangle_ray_of(const level *here) {
     sagi_triangle_ray ray = sagi_triangle_prepare(here->ray);
     ray.t_max = here->t_max;
