@@ -9,5 +9,6 @@
 #include <sagitta/math.h>
 #include <sagitta/scene.h>
 #include <sagitta/shapes.h>
+#include <sagitta/solid.h>
 
 #endif

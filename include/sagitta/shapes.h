@@ -75,6 +75,8 @@ typedef struct sag_hit {
     uint32_t geometry;  ///< the id in the scene it was added to; SAG_INVALID_ID for a shape used alone
     uint32_t instance_depth;                        ///< how many of instance_path are used
     uint32_t instance_path[SAG_MAX_INSTANCE_DEPTH]; ///< ids of the instances passed through, outermost first
+    uint32_t flipped; ///< 1: the boundary of a solid that lies on the outer side of the part's surface
+                      ///< (solid.h); else 0
 } sag_hit;
 
 /// Which side of the surface the ray arrives at: the front is the one the geometric normal points to.

@@ -82,10 +82,10 @@ static inline void collect(search *s, const sagi_world *world, const sag_hit *hi
 
 static inline void write_hit(const search *s, uint32_t geometry, uint32_t primitive, double t, double u,
                              double v, sag_hit *hit) {
-    memset(hit, 0xFF, sizeof *hit); // SAG_INVALID_ID; padding, too, is the same everywhere
+    memset(hit, 0xFF, sizeof *hit); // SAG_INVALID_ID
     hit->t = t, hit->u = u, hit->v = v;
     hit->primitive = primitive, hit->geometry = geometry;
-    hit->instance_depth = s->path_length;
+    hit->instance_depth = s->path_length, hit->flipped = 0;
     for (uint32_t i = 0; i < s->path_length; i++) hit->instance_path[i] = s->path[i];
 }
 _Static_assert(SAG_INVALID_ID == UINT32_MAX, "all its bits are set");
