@@ -22,9 +22,11 @@
 //         ΔE = 12Lσ + 38.3vL² + 3μσ < 8.1L  = B.
 //     n: each edge is off by 2g, so nᵢ by 8gE + 8g² and 4.1vE² for roundings:   ν = 8.1gE + 4.1vE²;  |n| ≤
 //     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b₁. T:
-//     3νL, 6E²σ, 30vE²L for roundings:                ΔT < L b₁ + 4E² = b₀.
-// An e beyond ±B has the sign of the true one: two of opposite signs are a certain miss, three of one sign a
-// certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is certain, and for any time x
+//     ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b₁|A|₁ + 4E² = b₀.
+// (|A|₁ = Σ|Aᵢ| is a triangle's own: small where a ray leaves the triangle, so that most such rays are
+// certain.) An e beyond ±B has the sign of the true one: two of opposite signs are a certain miss, three of
+// one sign a certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is certain, and for any time
+// x
 //     X = sign(D) T − |D| x  is off by at most  b₀ + b₁|x|  (and 5vE²|x| for roundings, which b₁ has room
 //     for),
 // so that beyond that X says for certain on which side of x the hit is. Every hit lies in the block's box,
@@ -34,8 +36,8 @@ typedef struct block_answer {
     uint32_t certain, uncertain; // lanes
     uint32_t inside;             // of the uncertain: those of which only the time is
     uint32_t back;               // of the certain: those met from the back
-    sagi_f8 t, d;                // T with D's sign, |D|
-    float b0, b1;                // bounds
+    sagi_f8 t, d, b0;            // T with D's sign, |D|, b₀
+    float b1;
 } block_answer;
 
 typedef struct f8x3 {
@@ -103,17 +105,19 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
     sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
     const float range = 0x1p19F;
     float edge = (float)(block->head.edge + 1) * 256, grid = (float)steps;
-    float b1 = edge * (12.5F + edge * (60 * 0x1p-24F)), b0 = 0x1p17F * b1 + 4 * edge * edge;
+    float b1 = edge * (12.5F + edge * (60 * 0x1p-24F));
+    sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
+    sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(b1 * (1 / 3.0F)), sagi_f8_fill(4 * edge * edge));
     float first = sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range);
     float last = sagi_float_min((limit - begin) * grid, range);
     float last_certain = sagi_float_min((ray->t_max - begin) * grid, last);
-    float first_error = b0 + b1 * fabsf(first), last_error = b0 + b1 * fabsf(last);
+    sagi_f8 first_error = b0 + b1 * fabsf(first), last_error = b0 + b1 * fabsf(last);
+    sagi_f8 last_certain_error = b0 + b1 * fabsf(last_certain);
     sagi_f8 from = t - size * first, until = t - size * last, until_certain = t - size * last_certain;
     sagi_i8 known = sagi_f8_above(size, 2 * b1),
             inside = sagi_f8_above(least, bound) | sagi_f8_below(most, -bound);
-    sagi_i8 beyond = sagi_f8_above(until, last_error) | sagi_f8_below(from, -first_error);
-    sagi_i8 within =
-        sagi_f8_below(until_certain, -(b0 + b1 * fabsf(last_certain))) & sagi_f8_above(from, first_error);
+    sagi_i8 beyond = sagi_f8_less(last_error, until) | sagi_f8_less(from, -first_error);
+    sagi_i8 within = sagi_f8_less(until_certain, -last_certain_error) & sagi_f8_less(first_error, from);
     uint32_t left = answer.uncertain & ~sagi_i8_mask(beyond & known);
     answer.certain = left & sagi_i8_mask(inside & within & known);
     answer.uncertain = left & ~answer.certain;
@@ -229,10 +233,10 @@ static inline void add_triangle(level *here, const sagi_triangle_block *block, c
     // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0. A hit before the block's box, as a triangle
     // that stands in several leaves may have it, is the matter of the leaf that holds it.
     float step = (float)power_of_two(-(int)block->head.exponent);
-    float t = answer->t[lane], d = answer->d[lane];
-    if (t + answer->b0 < 0) return;
-    float latest = begin + (t + answer->b0) / (d - answer->b1) * step;
-    float earliest = begin + sagi_float_max((t - answer->b0) / (d + answer->b1), 0) * step;
+    float t = answer->t[lane], d = answer->d[lane], b0 = answer->b0[lane];
+    if (t + b0 < 0) return;
+    float latest = begin + (t + b0) / (d - answer->b1) * step;
+    float earliest = begin + sagi_float_max((t - b0) / (d + answer->b1), 0) * step;
     latest *= 1 + 0x1p-20F, earliest *= 1 - 0x1p-20F;
     if (!add_candidate(here, &block->head, lane, earliest, latest)) return;
     const sag_mesh *mesh = item_of(here, &block->head)->shape;
