@@ -9,6 +9,7 @@
 #   make check-neon the core library for 64-bit ARM under qemu-user: the same bits
 #   make lint       formatting, static analysis, the project's own rules
 #   make bench      measure building and tracing, beside Embree; BENCH="--help" tells what can be chosen
+#   make bench-solids   the same for solids and exact shapes, beside POV-Ray; SOLIDS="--help" tells what can be chosen
 #   make install    to PREFIX (/usr/local), below DESTDIR when that is set
 #   make deps       only install what all of these need
 #   make clean      remove build/
@@ -60,6 +61,13 @@ bench: deps-build
 	cmake --build --preset release --target bench-rays
 	build/release/bench/bench-rays $(BENCH)
 
+bench-solids: deps-build
+	@scripts/deps.sh bench
+	@scripts/deps.sh povray || echo "No POV-Ray to be had: measuring Sagitta alone."
+	cmake --preset release -DSAGITTA_BENCH=ON
+	cmake --build --preset release --target bench-solids
+	build/release/bench/bench-solids --compare $(SOLIDS)
+
 install: all
 	cmake --install build/release --prefix $(PREFIX)
 
@@ -73,4 +81,4 @@ build/clang: FORCE
 	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DSAGITTA_BENCH=ON -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ >/dev/null
 FORCE:
 
-.PHONY: all deps deps-build deps-test deps-lint demo check soak check-neon lint bench install clean FORCE
+.PHONY: all deps deps-build deps-test deps-lint demo check soak check-neon lint bench bench-solids install clean FORCE

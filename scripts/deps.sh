@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Installs the packages that are missing: scripts/deps.sh build|test|lint|bench|embree|cross …; does nothing, and needs no network, when all are
+# Installs the packages that are missing: scripts/deps.sh build|test|lint|bench|embree|povray|cross …; does nothing, and needs no network, when all are
 # there. Knows apt (Debian 12, Ubuntu 22.04 and 24.04); elsewhere it says what is needed.
 set -eu
 
@@ -9,6 +9,7 @@ test="libcmocka-dev libgmp-dev libmpfr-dev clang python3 python3-numpy"
 lint="clang-14 clang-format-14 clang-tidy-14 cppcheck binutils"
 bench="libgmp-dev"
 embree="libembree-dev"
+povray="povray"
 cross="gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user"
 
 wanted=""
@@ -19,8 +20,9 @@ for set in "$@"; do
   lint) wanted="$wanted $lint" ;;
   bench) wanted="$wanted $bench" ;;
   embree) wanted="$wanted $embree" ;;
+  povray) wanted="$wanted $povray" ;;
   cross) wanted="$wanted $cross" ;;
-  *) echo "usage: $0 build|test|lint|bench|embree|cross …" >&2; exit 2 ;;
+  *) echo "usage: $0 build|test|lint|bench|embree|povray|cross …" >&2; exit 2 ;;
   esac
 done
 
