@@ -1,33 +1,45 @@
 // SPDX-License-Identifier: MIT
 // Many rays on one thread, a dozen of them under way at once. Part of kernel.inl.
 //
-// A step through a node is a chain of some forty cycles in which each instruction waits for the one before,
+// A step through a node is a chain of some sixty cycles in which each instruction waits for the one before,
 // and now and then for memory; only another ray can use the time. So the rays take turns: each makes one
 // step, asks for the memory its next one needs (prefetch), and makes way. Rays that have come to a leaf wait
-// until several have, since their tests run best one after the other, and so do rays that have come to their
-// end with a hit to solve. What a ray does, it does as if it were alone; only the order among rays is
-// different.
+// until several have, and so do rays that have come to their end with a hit to solve. What a ray does, it
+// does as if it were alone; only the order among rays is different.
+//
+// Two things keep the processor from filling the time. A branch that it guesses wrong throws away what it has
+// done for the rays behind: so a flight goes from queue to queue by arithmetic, whatever its step came to
+// (send), and only what is rare is a branch. And it looks ahead some 300 instructions at most, less than
+// three steps: so a step is cut in two where most of its waiting is, and each half is done for all rays in a
+// row.
 #include "kernel/packet.inl"
 
 #define FLIGHTS       16
 #define FLIGHT_STACK  96 // a ray that needs more goes on alone
 #define ENOUGH_LEAVES 10
 
+// Below all that waits on a flight's stack: a leaf that begins, by its bits, later than any limit.
+#define NOTHING_BEGINS UINT32_MAX
+#define NOTHING        SAGI_BVH_LEAF
+
 typedef struct flight {
-    waiting next;
+    const char *at;  // its next node or leaf,
+    uint32_t begin;  // and where it begins (a float's bits)
     uint32_t height; // of its stack
     size_t ray;      // its number in the batch
     search search;
     level here;
-    float begin[FLIGHT_STACK + SAGI_BVH_WIDTH];
-    uint32_t child[FLIGHT_STACK + SAGI_BVH_WIDTH];
+    const sagi_triangle_block *block; // the one that was met last,
+    float block_begin;                // what it answered,
+    uint32_t after;                   // and the errand after it, AT_NODE or AT_LEAF
+    block_answer answer;
+    float begins[FLIGHT_STACK + SAGI_BVH_WIDTH]; // at most the limit, and not negative: in order as bits, too
+    uint32_t children[FLIGHT_STACK + SAGI_BVH_WIDTH];
 } flight;
 
-// Flights that wait for the same thing.
-typedef struct queue {
-    uint32_t count;
-    flight *at[FLIGHTS];
-} queue;
+// What flights wait for: a node; a leaf; to look what is next, as what was on top of the stack does not
+// matter any more; to take note of triangles that were met; to have a hit solved.
+typedef enum errand { AT_NODE, AT_LEAF, AT_LOOK, AT_MET, AT_END, ERRAND_COUNT } errand;
 
 typedef struct crowd {
     const sagi_world *world;
@@ -36,26 +48,48 @@ typedef struct crowd {
     bool *dark;    // ANY
     size_t count, begun;
     uint16_t *number; // which rays, count of them
-    queue at_node, at_leaf, at_end;
+    struct {          // of nodes and leaves
+        const char *first;
+        size_t half, last_line; // half of one's bytes, where its last cache line is
+    } memory[2];
+    flight **last[ERRAND_COUNT]; // of those that wait for the same: the next place
+    flight *waiting[ERRAND_COUNT][FLIGHTS];
     flight flights[FLIGHTS];
 } crowd;
 
-SAGI_INLINE void queue_up(queue *q, flight *f) { q->at[q->count++] = f; }
+SAGI_INLINE void queue_up(crowd *c, errand e, flight *f) { *c->last[e]++ = f; }
 
-SAGI_INLINE void fetch(const void *at, size_t bytes) {
-    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i);
+SAGI_INLINE uint32_t count_of(const crowd *c, errand e) { return (uint32_t)(c->last[e] - c->waiting[e]); }
+// Empties the queue, which may be refilled from the front while it is read.
+SAGI_INLINE uint32_t take_queue(crowd *c, errand e) {
+    uint32_t count = count_of(c, e);
+    c->last[e] = c->waiting[e];
+    return count;
 }
 
-// Sends the flight where its next node or leaf says.
-SAGI_INLINE void send(crowd *c, flight *f) {
-    const sagi_bvh *tree = &c->world->tree;
-    if ((f->next.child & SAGI_BVH_LEAF) == 0) {
-        fetch(&tree->nodes[f->next.child], sizeof *tree->nodes);
-        queue_up(&c->at_node, f);
-    } else {
-        fetch(sagi_leaf(tree, f->next.child), sizeof(sagi_triangle_block));
-        queue_up(&c->at_leaf, f);
-    }
+SAGI_INLINE uint32_t float_bits(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+SAGI_INLINE float bits_float(uint32_t bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+// Sends the flight where (begin, child) says, or first to take note of what it met. Which it will be nobody
+// can foresee, so nothing here is a branch.
+SAGI_INLINE void send(crowd *c, flight *f, uint32_t begin, uint32_t child, bool met) {
+    uint32_t leaf = child >> 31, e = leaf;
+    // (Twice the number, so that the bit which says that it is a leaf is gone.)
+    const char *at = c->memory[leaf].first + (size_t)(child << 1) * c->memory[leaf].half;
+    f->begin = begin, f->at = at;
+    __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
+    __builtin_prefetch(at + c->memory[leaf].last_line);
+    e = begin > float_bits(f->here.limit) ? AT_LOOK : e;
+    e = met ? AT_MET : e;
+    queue_up(c, (errand)e, f);
 }
 
 SAGI_INLINE void write_answer(question asked, const crowd *c, size_t ray, bool found) {
@@ -63,6 +97,10 @@ SAGI_INLINE void write_answer(question asked, const crowd *c, size_t ray, bool f
         c->dark[ray] = found;
     else if (!found)
         c->hits[ray] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+}
+
+SAGI_INLINE void fetch(const void *at, size_t bytes) {
+    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i);
 }
 
 // Begins rays in this flight until one has business in the tree, or all have begun.
@@ -81,8 +119,9 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         enter(&f->here, c->world, &c->rays[f->ray], s);
         bool over;
         if (come_to_tree(asked, &f->here, &over)) {
-            f->next = (waiting){0, 0}, f->height = 0;
-            queue_up(&c->at_node, f);
+            f->begins[0] = bits_float(NOTHING_BEGINS), f->children[0] = NOTHING, f->height = 1;
+            f->at = c->memory[0].first, f->begin = 0;
+            queue_up(c, AT_NODE, f);
             return;
         }
         write_answer(asked, c, f->ray, s->found);
@@ -92,23 +131,6 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
 SAGI_INLINE void end(question asked, crowd *c, flight *f) {
     write_answer(asked, c, f->ray, f->search.found);
     begin(asked, c, f);
-}
-
-// What was to be done is done; what next?
-SAGI_INLINE void go_on(question asked, crowd *c, flight *f) {
-    stack waits = {f->begin, f->child, f->height};
-    bool more = pop(asked, f->here.limit, &waits, &f->next);
-    f->height = waits.height;
-    if (more) {
-        send(c, f);
-    } else if (asked == CLOSEST && f->here.candidate_count == 1 &&
-               f->here.candidates[0].block->kind == SAGI_BLOCK_TRIANGLES) {
-        fetch_corners(&f->here, &f->here.candidates[0]);
-        queue_up(&c->at_end, f);
-    } else {
-        if (asked == CLOSEST) settle(&f->here);
-        end(asked, c, f);
-    }
 }
 
 // A stack that is about to overflow: the single walk has room for the deepest tree.
@@ -123,33 +145,99 @@ static __attribute__((noinline, cold)) void go_alone(question asked, crowd *c, f
     end(asked, c, f);
 }
 
-SAGI_INLINE void all_step(question asked, crowd *c) {
-    const sagi_bvh_node *nodes = c->world->tree.nodes;
-    uint32_t count = c->at_node.count;
-    c->at_node.count = 0; // refilled from the front, never beyond the one at hand
+SAGI_INLINE void all_steps(question asked, crowd *c) {
+    uint32_t count = take_queue(c, AT_NODE);
+    // Which children each ray meets, and which of them first.
+    sagi_f8 begins[FLIGHTS];
+    uint32_t leasts[FLIGHTS], masks[FLIGHTS];
     for (uint32_t i = 0; i < count; i++) {
-        flight *f = c->at_node.at[i];
-        stack waits = {f->begin, f->child, f->height};
-        bool met = step(asked, &nodes[f->next.child], &f->here.tree_ray, f->here.limit, &waits, &f->next);
-        f->height = waits.height;
-        if (!met)
-            go_on(asked, c, f);
-        else if (waits.height > FLIGHT_STACK)
+        flight *f = c->waiting[AT_NODE][i];
+        const char *at = f->at;
+        const sagi_float_ray *r = &f->here.tree_ray;
+        sagi_f8 begin = sagi_f8_max(sagi_f8_max(entry(at, r, 0), entry(at, r, 1)),
+                                    sagi_f8_max(entry(at, r, 2), sagi_f8_fill(r->from)));
+        sagi_f8 end = sagi_f8_min(sagi_f8_min(way_out(at, r, 0), way_out(at, r, 1)),
+                                  sagi_f8_min(way_out(at, r, 2), sagi_f8_fill(f->here.limit)));
+        SAGI_KERNEL_COUNT(nodes);
+        begins[i] = begin;
+        masks[i] = sagi_f8_in_order(begin, end, &leasts[i]);
+    }
+    // The first is next, or what is on top of the stack; the others go on it.
+    for (uint32_t i = 0; i < count; i++) {
+        flight *f = c->waiting[AT_NODE][i];
+        const sagi_bvh_node *node = (const sagi_bvh_node *)(const void *)f->at;
+        sagi_f8 begin = begins[i];
+        uint32_t least = leasts[i], mask = masks[i], lane = least & 7;
+        uint32_t height = f->height, rest = mask & ~(1U << lane);
+        uint32_t top_begin = float_bits(f->begins[height - 1]), top_child = f->children[height - 1];
+        sagi_write_lanes(rest, begin, f->begins + height, sagi_i8_load(node->child), f->children + height);
+        height += (uint32_t)__builtin_popcount(mask) - 1;
+        f->height = height;
+        uint32_t near_begin = least & ~7U, near_child = node->child[lane];
+        if (__builtin_expect(height > FLIGHT_STACK, 0))
             go_alone(asked, c, f);
         else
-            send(c, f);
+            send(c, f, mask != 0 ? near_begin : top_begin, mask != 0 ? near_child : top_child, false);
     }
 }
 
+// A leaf that holds something else than triangles.
+static __attribute__((noinline)) void other_leaf(question asked, crowd *c, flight *f) {
+    if (leaf(asked, &f->here, (const sagi_block *)(const void *)f->at, bits_float(f->begin))) {
+        end(asked, c, f);
+        return;
+    }
+    f->height--;
+    send(c, f, float_bits(f->begins[f->height]), f->children[f->height], false);
+}
+
 SAGI_INLINE void all_leaves(question asked, crowd *c) {
-    uint32_t count = c->at_leaf.count;
-    c->at_leaf.count = 0;
+    uint32_t count = take_queue(c, AT_LEAF);
     for (uint32_t i = 0; i < count; i++) {
-        flight *f = c->at_leaf.at[i];
-        if (leaf(asked, &f->here, sagi_leaf(&c->world->tree, f->next.child), f->next.begin))
+        flight *f = c->waiting[AT_LEAF][i];
+        const sagi_triangle_block *block = (const sagi_triangle_block *)(const void *)f->at;
+        if (__builtin_expect(block->head.kind != SAGI_BLOCK_TRIANGLES, 0)) {
+            other_leaf(asked, c, f);
+            continue;
+        }
+        SAGI_KERNEL_COUNT(blocks);
+        f->block = block, f->block_begin = bits_float(f->begin);
+        bool met = meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, false, &f->answer);
+        f->height--;
+        f->after = f->children[f->height] >> 31;
+        send(c, f, float_bits(f->begins[f->height]), f->children[f->height], met);
+    }
+}
+
+SAGI_INLINE void all_met(question asked, crowd *c) {
+    uint32_t count = take_queue(c, AT_MET);
+    for (uint32_t i = 0; i < count; i++) {
+        flight *f = c->waiting[AT_MET][i];
+        if (take_triangles(asked, &f->here, f->block, &f->answer, f->block_begin))
             end(asked, c, f);
         else
-            go_on(asked, c, f);
+            queue_up(c, f->begin > float_bits(f->here.limit) ? AT_LOOK : (errand)f->after, f);
+    }
+}
+
+// Finds the next that still matters, or that there is none.
+SAGI_INLINE void all_look(question asked, crowd *c) {
+    uint32_t count = take_queue(c, AT_LOOK);
+    for (uint32_t i = 0; i < count; i++) {
+        flight *f = c->waiting[AT_LOOK][i];
+        uint32_t begin = f->begin, height = f->height, limit = float_bits(f->here.limit);
+        while (begin > limit && begin != NOTHING_BEGINS) begin = float_bits(f->begins[--height]);
+        f->height = height;
+        if (begin != NOTHING_BEGINS) {
+            send(c, f, begin, f->children[height], false);
+        } else if (asked == CLOSEST && f->here.candidate_count == 1 &&
+                   f->here.candidates[0].block->kind == SAGI_BLOCK_TRIANGLES) {
+            fetch_corners(&f->here, &f->here.candidates[0]);
+            queue_up(c, AT_END, f);
+        } else {
+            if (asked == CLOSEST) settle(&f->here);
+            end(asked, c, f);
+        }
     }
 }
 
@@ -177,10 +265,8 @@ static __attribute__((noinline)) void settle_four(flight *const at[], uint32_t c
 }
 
 SAGI_INLINE void all_ends(question asked, crowd *c) {
-    uint32_t count = c->at_end.count, begun = 0;
-    flight *now[FLIGHTS];
-    for (uint32_t i = 0; i < count; i++) now[i] = c->at_end.at[i];
-    c->at_end.count = 0;
+    uint32_t count = take_queue(c, AT_END), begun = 0;
+    flight **now = c->waiting[AT_END];
     for (uint32_t n; begun < count; begun += n) {
         n = count - begun < 4 ? count - begun : 4;
         settle_four(now + begun, n);
@@ -190,17 +276,27 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
-    c->at_node.count = c->at_leaf.count = c->at_end.count = 0;
+    c->memory[0].first = (const char *)c->world->tree.nodes;
+    c->memory[1].first = (const char *)c->world->tree.leaves;
+    c->memory[0].half = sizeof(sagi_bvh_node) / 2, c->memory[1].half = SAGI_BVH_UNIT / 2;
+    c->memory[0].last_line = 192, c->memory[1].last_line = 128;
+    for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
     for (uint32_t i = 0; i < FLIGHTS; i++) begin(asked, c, &c->flights[i]);
     for (;;) {
-        while (c->at_node.count > 0 && c->at_leaf.count < ENOUGH_LEAVES) all_step(asked, c);
-        if (c->at_leaf.count > 0)
+        while (count_of(c, AT_NODE) > 0 && count_of(c, AT_LEAF) < ENOUGH_LEAVES) {
+            all_steps(asked, c);
+            all_look(asked, c);
+        }
+        if (count_of(c, AT_LEAF) > 0) {
             all_leaves(asked, c);
-        else if (c->at_end.count > 0)
+            all_met(asked, c);
+            all_look(asked, c);
+        } else if (count_of(c, AT_END) > 0) {
             all_ends(asked, c);
-        else
+        } else {
             break;
-        if (c->at_end.count >= FLIGHTS / 4) all_ends(asked, c);
+        }
+        if (count_of(c, AT_END) >= FLIGHTS / 4) all_ends(asked, c);
     }
 }
 

@@ -79,8 +79,8 @@ SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray
 
 // `begin` is a lower bound of the τ where the ray meets the block's box, `limit` an upper bound of the τ that
 // still matter.
-SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const sagi_float_ray *ray,
-                                        float begin, float limit) {
+SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_float_ray *ray, float begin,
+                                float limit, bool hurry, block_answer *answer) {
     double steps = power_of_two(block->head.exponent);
     sagi_d4 at;
     bool usual = start_on_grid(&block->head, ray, begin, steps, &at);
@@ -93,10 +93,12 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, bc), -ac), most = sagi_f8_max(sagi_f8_max(ab, bc), -ac);
     const float bound = 8.1F * 0x1p17F;
     uint32_t there = (1U << block->head.count) - 1;
-    block_answer answer = {.certain = 0, .uncertain = there, .inside = 0};
-    if (__builtin_expect(!usual, 0)) return answer;
-    answer.uncertain = there & ~sagi_i8_mask(sagi_f8_below(least, -bound) & sagi_f8_above(most, bound));
-    if (answer.uncertain == 0) return answer; // all missed: as often as not
+    if (__builtin_expect(!usual, 0)) {
+        answer->certain = answer->inside = answer->back = 0, answer->uncertain = there;
+        return true;
+    }
+    there &= ~sagi_i8_mask(sagi_f8_below(least, -bound) & sagi_f8_above(most, bound));
+    if (hurry && there == 0) return false; // all missed: as often as not
 
     // When.
     f8x3 n = cross8(&edge1, &edge2);
@@ -118,13 +120,13 @@ SAGI_INLINE block_answer meet_triangles(const sagi_triangle_block *block, const 
             inside = sagi_f8_above(least, bound) | sagi_f8_below(most, -bound);
     sagi_i8 beyond = sagi_f8_less(last_error, until) | sagi_f8_less(from, -first_error);
     sagi_i8 within = sagi_f8_less(until_certain, -last_certain_error) & sagi_f8_less(first_error, from);
-    uint32_t left = answer.uncertain & ~sagi_i8_mask(beyond & known);
-    answer.certain = left & sagi_i8_mask(inside & within & known);
-    answer.uncertain = left & ~answer.certain;
-    answer.inside = sagi_i8_mask(inside);
-    answer.back = ~sagi_i8_mask(sign);
-    answer.t = t, answer.d = size, answer.b0 = b0, answer.b1 = b1;
-    return answer;
+    there &= ~sagi_i8_mask(beyond & known);
+    uint32_t certain = there & sagi_i8_mask(inside & within & known);
+    answer->certain = certain, answer->uncertain = there & ~certain;
+    answer->inside = sagi_i8_mask(inside);
+    answer->back = ~sagi_i8_mask(sign);
+    answer->t = t, answer->d = size, answer->b0 = b0, answer->b1 = b1;
+    return there != 0;
 }
 
 static inline const sagi_item *item_of(const level *here, const sagi_block *head) {
@@ -243,32 +245,38 @@ static inline void add_triangle(level *here, const sagi_triangle_block *block, c
     __builtin_prefetch(mesh->triangles + 3 * (size_t)block->primitive[lane]);
 }
 
-SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle_block *block, float begin) {
-    SAGI_KERNEL_COUNT(blocks);
-    block_answer answer = meet_triangles(block, &here->tree_ray, begin, here->limit);
-    if ((answer.certain | answer.uncertain) == 0) return false;
+// What follows from a block's answer, which is not that all are missed.
+SAGI_INLINE bool take_triangles(question asked, level *here, const sagi_triangle_block *block,
+                                const block_answer *answer, float begin) {
     const sagi_item *item = item_of(here, &block->head);
     if (!sees(here, item)) return false;
-    uint32_t certain = answer.certain;
+    uint32_t certain = answer->certain;
     bool one_sided = ((const sag_mesh *)item->shape)->one_sided && !here->search->both_sides;
-    if (one_sided) certain &= ~answer.back;
+    if (one_sided) certain &= ~answer->back;
     if (asked == ANY && certain != 0) return here->search->found = true;
     for (; certain != 0; certain &= certain - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(certain);
         if (asked == CLOSEST)
-            add_triangle(here, block, &answer, lane, begin);
+            add_triangle(here, block, answer, lane, begin);
         else
             certain_triangle(asked, here, block, lane);
     }
-    for (uint32_t left = answer.uncertain; left != 0; left &= left - 1) {
+    for (uint32_t left = answer->uncertain; left != 0; left &= left - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(left);
         SAGI_KERNEL_COUNT(uncertain);
         // One whose time alone is uncertain is mostly the one that a ray leaves; solving says so soon.
-        bool over = answer.inside >> lane & 1 && !one_sided
+        bool over = answer->inside >> lane & 1 && !one_sided
                         ? certain_triangle(asked, here, block, lane)
                         : triangle(asked, here, item,
                                    (sagi_bvh_reference){block->head.geometry, block->primitive[lane]});
         if (over) return true;
     }
     return false;
+}
+
+SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle_block *block, float begin) {
+    SAGI_KERNEL_COUNT(blocks);
+    block_answer answer;
+    return meet_triangles(block, &here->tree_ray, begin, here->limit, true, &answer) &&
+           take_triangles(asked, here, block, &answer, begin);
 }

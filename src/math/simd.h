@@ -180,6 +180,22 @@ SAGI_INLINE void sagi_f4_turn8(const sagi_f4 a[8], sagi_f8 *x, sagi_f8 *y, sagi_
     *z = (sagi_f8){a[0][2], a[1][2], a[2][2], a[3][2], a[4][2], a[5][2], a[6][2], a[7][2]};
 }
 
+// The lanes where a ≤ b. Of these, *least is the least a, which is not negative, with the lane's number in
+// place of its last three bits; where there is none, more than all others.
+SAGI_INLINE uint32_t sagi_f8_in_order(sagi_f8 a, sagi_f8 b, uint32_t *least) {
+    sagi_i8 number = {0, 1, 2, 3, 4, 5, 6, 7}, key = (sagi_f8_bits(a) & ~7) | number;
+#if defined(SAGI_SIMD_AVX512)
+    __mmask8 met = _mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LE_OQ);
+    key = (sagi_i8)_mm256_mask_mov_epi32(_mm256_set1_epi32(INT32_MAX), met, (__m256i)key);
+    *least = (uint32_t)sagi_i8_least(key);
+    return met;
+#else
+    sagi_i8 met = sagi_f8_at_most(a, b);
+    *least = (uint32_t)sagi_i8_least(key | (~met & INT32_MAX));
+    return sagi_i8_mask(met);
+#endif
+}
+
 // Writes the lanes in the mask of two vectors, in order, one after the other to p and q, each of which must
 // have room for eight.
 #if defined(SAGI_SIMD_AVX2) && !defined(SAGI_SIMD_AVX512)
