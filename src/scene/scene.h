@@ -20,7 +20,8 @@ typedef struct sagi_store {
     const sag_context *context;
     size_t bytes; // of the whole block
     const void *shape;
-    _Atomic double area; // NAN until someone asked; every thread would find the same
+    _Atomic double area;        // NAN until someone asked; every thread would find the same
+    _Atomic uint8_t closedness; // likewise: 0, or what solid_check.c says
 } sagi_store;
 
 // An array of a shape: where it is and how long. NULL: not there.
@@ -103,6 +104,18 @@ sag_status sagi_snapshot_fill(sagi_snapshot *snapshot, const sag_scene *scene, s
 sag_status sagi_snapshot_build(sagi_snapshot *snapshot, const sagi_snapshot *before);
 // Whether a geometry is where and what it was, as far as boxes go (commit.c).
 bool sagi_geometry_is_as_before(const sagi_snapshot *snapshot, const sagi_snapshot *before, uint32_t id);
+
+// Whether the snapshot is one of a solid.
+static inline bool sagi_snapshot_is_solid(const sagi_snapshot *snapshot) {
+    (void)snapshot;
+    return false;
+}
+// Whether a geometry bounds a volume: what is said of parts in solid.h. For ids below the count.
+// (solid_check.c)
+bool sagi_geometry_is_closed(const sagi_snapshot *snapshot, uint32_t id);
+// SAG_OK when all geometries are; else SAG_ERROR_GEOMETRY with what is wrong with the first that is not, or
+// SAG_ERROR_MEMORY.
+sag_status sagi_solid_check_parts(const sagi_snapshot *snapshot, sag_error *error);
 
 // All snapshots reached from one through instances, each once, children before parents (listing.c).
 typedef struct sagi_listing {

@@ -73,6 +73,7 @@ static sagi_store *allocate(const sag_context *context, size_t bytes, unsigned c
     if (store == NULL) return NULL;
     atomic_init(&store->references, 1);
     atomic_init(&store->area, NAN);
+    atomic_init(&store->closedness, 0);
     store->context = context;
     store->bytes = head + bytes;
     *rest = (unsigned char *)store + head;

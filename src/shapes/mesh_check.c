@@ -8,6 +8,10 @@
 // side and are counted. Triangles over the same three vertices are found in the same way. A bucket can be
 // large (the hub of a fan), so its sort must not be quadratic: it is a heap sort, which needs no memory of
 // its own. All in all O(n log n) time; 24 bytes a triangle and 20 a vertex.
+//
+// The report speaks of good triangles. Whether a mesh bounds a volume is a weaker question (mesh_closed.c):
+// there triangles without area count, but their edges of no length do not.
+#include "shapes/closed.h"
 #include "shapes/mesh.h"
 
 #include <string.h>
@@ -18,6 +22,7 @@ typedef struct check {
     uint32_t *table;    // open addressing over positions; then the buckets' ends
     size_t table_count; // a power of two, at least vertex_count + 2
     uint64_t *keys;     // 3 for each triangle
+    bool with_flat;     // triangles without area count too
 } check;
 
 static uint64_t mix(uint64_t z) {
@@ -81,10 +86,11 @@ typedef struct item {
     uint64_t key;
 } item;
 
-// The corners of good triangle i by merged index, sorted; false for others.
+// The corners of triangle i, if it counts, by merged index.
 static bool corners(const check *c, uint32_t i, uint32_t out[3]) {
     sag_vec3 p[3];
-    if (sagi_mesh_triangle_state(c->mesh, i, p) != SAGI_TRIANGLE_GOOD) return false;
+    sagi_triangle_state state = sagi_mesh_triangle_state(c->mesh, i, p);
+    if (state != SAGI_TRIANGLE_GOOD && !(c->with_flat && state == SAGI_TRIANGLE_NO_AREA)) return false;
     for (int k = 0; k < 3; k++) out[k] = c->same[c->mesh->triangles[3 * (size_t)i + (size_t)k]];
     return true;
 }
@@ -108,8 +114,10 @@ static int items_of(const uint32_t corner[3], bool edges, item out[3]) {
         out[0] = triangle_item(corner);
         return 1;
     }
-    for (int k = 0; k < 3; k++) out[k] = edge_item(corner[k], corner[(k + 1) % 3]);
-    return 3;
+    int count = 0;
+    for (int k = 0; k < 3; k++)
+        if (corner[k] != corner[(k + 1) % 3]) out[count++] = edge_item(corner[k], corner[(k + 1) % 3]);
+    return count;
 }
 
 // Counting sort into buckets, then a heap sort of each: keys of bucket b end up in order from begin[b] to
@@ -131,12 +139,12 @@ static const uint32_t *sort_items(check *c, bool edges) {
 }
 
 static void count_edges(check *c, sag_mesh_report *report) {
-    const uint32_t *begin = sort_items(c, true);
+    const uint32_t *first = sort_items(c, true);
     for (uint32_t b = 0; b < c->mesh->vertex_count; b++) {
         uint32_t next;
-        for (uint32_t i = begin[b]; i < begin[b + 1]; i = next) {
+        for (uint32_t i = first[b]; i < first[b + 1]; i = next) {
             uint32_t upward = 0;
-            for (next = i; next < begin[b + 1] && c->keys[next] >> 1 == c->keys[i] >> 1; next++)
+            for (next = i; next < first[b + 1] && c->keys[next] >> 1 == c->keys[i] >> 1; next++)
                 upward += c->keys[next] & 1;
             if (next - i > 2) report->crowded_edge_count++;
             if (next - i == 2 && upward != 1) report->flipped_edge_count++;
@@ -150,9 +158,9 @@ static void count_edges(check *c, sag_mesh_report *report) {
 }
 
 static void count_duplicates(check *c, sag_mesh_report *report) {
-    const uint32_t *begin = sort_items(c, false);
+    const uint32_t *first = sort_items(c, false);
     for (uint32_t b = 0; b < c->mesh->vertex_count; b++)
-        for (uint32_t i = begin[b]; i + 1 < begin[b + 1]; i++)
+        for (uint32_t i = first[b]; i + 1 < first[b + 1]; i++)
             report->duplicate_count += c->keys[i] == c->keys[i + 1];
 }
 
@@ -173,31 +181,87 @@ static void examine(check *c, sag_mesh_report *report) {
         good > 0 && report->open_edge_count + report->crowded_edge_count + report->flipped_edge_count == 0;
 }
 
+// What an examination needs of memory.
+typedef struct sizes {
+    size_t table, same, keys;
+} sizes;
+
+static sag_status begin(const sag_context *context, check *c, sizes *bytes, sag_error *error) {
+    if (c->mesh->triangle_count > UINT32_MAX / 3)
+        return sag_error_set(error, SAG_ERROR_ARGUMENT,
+                             "mesh.triangle_count is %u: more than %u cannot be checked",
+                             c->mesh->triangle_count, UINT32_MAX / 3);
+    c->table_count = 4;
+    while (c->table_count < (size_t)c->mesh->vertex_count * 3 / 2 + 2) c->table_count *= 2;
+    *bytes = (sizes){c->table_count * sizeof *c->table, c->mesh->vertex_count * sizeof *c->same,
+                     3 * (size_t)c->mesh->triangle_count * sizeof *c->keys};
+    c->table = sag_allocate(context, bytes->table);
+    c->same = sag_allocate(context, bytes->same);
+    c->keys = sag_allocate(context, bytes->keys);
+    if (c->table && c->same && c->keys) return SAG_OK;
+    return sag_error_set(error, SAG_ERROR_MEMORY, "mesh check: no memory for %zu bytes",
+                         bytes->table + bytes->same + bytes->keys);
+}
+
+static void end(const sag_context *context, check *c, const sizes *bytes) {
+    sag_release(context, c->table, bytes->table);
+    sag_release(context, c->same, bytes->same);
+    sag_release(context, c->keys, bytes->keys);
+}
+
 sag_status sag_mesh_check(const sag_context *context, const sag_mesh *mesh, sag_mesh_report *report,
                           sag_error *error) {
     sag_status status = sag_mesh_validate(mesh, error);
     if (status != SAG_OK) return status;
-    if (mesh->triangle_count > UINT32_MAX / 3)
-        return sag_error_set(error, SAG_ERROR_ARGUMENT,
-                             "mesh.triangle_count is %u: more than %u cannot be checked",
-                             mesh->triangle_count, UINT32_MAX / 3);
-    check c = {.mesh = mesh, .table_count = 4};
-    while (c.table_count < (size_t)mesh->vertex_count * 3 / 2 + 2) c.table_count *= 2;
-    size_t table_bytes = c.table_count * sizeof *c.table;
-    size_t same_bytes = mesh->vertex_count * sizeof *c.same;
-    size_t key_bytes = 3 * (size_t)mesh->triangle_count * sizeof *c.keys;
-    c.table = sag_allocate(context, table_bytes);
-    c.same = sag_allocate(context, same_bytes);
-    c.keys = sag_allocate(context, key_bytes);
-    if (c.table && c.same && c.keys) {
+    check c = {.mesh = mesh};
+    sizes bytes = {0};
+    status = begin(context, &c, &bytes, error);
+    if (status == SAG_OK) {
         *report = (sag_mesh_report){0};
         examine(&c, report);
-    } else {
-        status = sag_error_set(error, SAG_ERROR_MEMORY, "mesh check: no memory for %zu bytes",
-                               table_bytes + same_bytes + key_bytes);
     }
-    sag_release(context, c.table, table_bytes);
-    sag_release(context, c.same, same_bytes);
-    sag_release(context, c.keys, key_bytes);
+    end(context, &c, &bytes);
+    return status;
+}
+
+static void count_odd(check *c, sagi_odd_edges *odd) {
+    const uint32_t *first = sort_items(c, true);
+    for (uint32_t b = 0; b < c->mesh->vertex_count; b++) {
+        uint32_t next;
+        for (uint32_t i = first[b]; i < first[b + 1]; i = next) {
+            for (next = i + 1; next < first[b + 1] && c->keys[next] >> 1 == c->keys[i] >> 1;) next++;
+            if ((next - i) % 2 == 0 || odd->count++ > 0) continue;
+            odd->vertex[0] = b, odd->vertex[1] = (uint32_t)(c->keys[i] >> 1);
+            odd->triangles = next - i;
+        }
+    }
+}
+
+// Where the ends of other edges lie on this one: p is no further from its line than 2⁻²⁰ of its length.
+static uint32_t find_on_edge(const sag_mesh *mesh, const uint32_t vertex[2]) {
+    const sag_vec3 a = sagi_mesh_vertex(mesh, vertex[0]), b = sagi_mesh_vertex(mesh, vertex[1]);
+    const sag_vec3 along = sag_sub(b, a);
+    const double square = sag_dot(along, along);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        sag_vec3 p = sag_sub(sagi_mesh_vertex(mesh, i), a), across = sag_cross(p, along);
+        double place = sag_dot(p, along);
+        if (place > 0x1p-20 * square && place < (1 - 0x1p-20) * square &&
+            sag_dot(across, across) <= 0x1p-40 * square * square)
+            return i;
+    }
+    return SAG_INVALID_ID;
+}
+
+sag_status sagi_mesh_find_odd_edges(const sag_context *context, const sag_mesh *mesh, sagi_odd_edges *odd) {
+    check c = {.mesh = mesh, .with_flat = true};
+    sizes bytes = {0};
+    sag_status status = begin(context, &c, &bytes, NULL);
+    *odd = (sagi_odd_edges){.on_it = SAG_INVALID_ID};
+    if (status == SAG_OK) {
+        merge_vertices(&c);
+        count_odd(&c, odd);
+    }
+    end(context, &c, &bytes);
+    if (odd->count > 0) odd->on_it = find_on_edge(mesh, odd->vertex);
     return status;
 }
