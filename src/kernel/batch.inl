@@ -153,11 +153,8 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_NODE][i];
         const char *at = f->at;
-        const sagi_float_ray *r = &f->here.tree_ray;
-        sagi_f8 begin = sagi_f8_max(sagi_f8_max(entry(at, r, 0), entry(at, r, 1)),
-                                    sagi_f8_max(entry(at, r, 2), sagi_f8_fill(r->from)));
-        sagi_f8 end = sagi_f8_min(sagi_f8_min(way_out(at, r, 0), way_out(at, r, 1)),
-                                  sagi_f8_min(way_out(at, r, 2), sagi_f8_fill(f->here.limit)));
+        const slabs r = slabs_of(&f->here.tree_ray);
+        sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, f->here.limit);
         SAGI_KERNEL_COUNT(nodes);
         begins[i] = begin;
         masks[i] = sagi_f8_in_order(begin, end, &leasts[i]);

@@ -134,38 +134,57 @@ typedef struct stack {
     uint32_t height;
 } stack;
 
-// Where the ray enters and leaves each child's slab of one coordinate.
-SAGI_INLINE sagi_f8 entry(const char *node, const sagi_float_ray *r, int k) {
-    return sagi_f8_fma(sagi_f8_load(node + r->planes.near_at[k]), sagi_f8_fill(r->near_scale[k]),
-                       sagi_f8_fill(r->near_add[k]));
+// What a step needs of the ray, each number in all lanes: with enough registers it stays there from step to
+// step.
+typedef struct slabs {
+    sagi_f8 near_scale[3], near_add[3], far_scale[3], far_add[3], from;
+    size_t near_at[3], far_at[3];
+} slabs;
+
+SAGI_INLINE slabs slabs_of(const sagi_float_ray *r) {
+    slabs s;
+    for (int k = 0; k < 3; k++) {
+        s.near_scale[k] = sagi_f8_fill(r->near_scale[k]), s.near_add[k] = sagi_f8_fill(r->near_add[k]);
+        s.far_scale[k] = sagi_f8_fill(r->far_scale[k]), s.far_add[k] = sagi_f8_fill(r->far_add[k]);
+        s.near_at[k] = r->planes.near_at[k], s.far_at[k] = r->planes.far_at[k];
+    }
+    s.from = sagi_f8_fill(r->from);
+    return s;
 }
-SAGI_INLINE sagi_f8 way_out(const char *node, const sagi_float_ray *r, int k) {
-    return sagi_f8_fma(sagi_f8_load(node + r->planes.far_at[k]), sagi_f8_fill(r->far_scale[k]),
-                       sagi_f8_fill(r->far_add[k]));
+
+// Where the ray enters and leaves each child's slab of one coordinate.
+SAGI_INLINE sagi_f8 entry(const char *node, const slabs *r, int k) {
+    return sagi_f8_fma(sagi_f8_load(node + r->near_at[k]), r->near_scale[k], r->near_add[k]);
+}
+SAGI_INLINE sagi_f8 way_out(const char *node, const slabs *r, int k) {
+    return sagi_f8_fma(sagi_f8_load(node + r->far_at[k]), r->far_scale[k], r->far_add[k]);
+}
+
+// Where it comes to each child, and where it leaves it or passes `limit`.
+SAGI_INLINE sagi_f8 begins_of(const char *node, const slabs *r) {
+    return sagi_f8_max(sagi_f8_max(entry(node, r, 0), entry(node, r, 1)),
+                       sagi_f8_max(entry(node, r, 2), r->from));
+}
+SAGI_INLINE sagi_f8 ends_of(const char *node, const slabs *r, float limit) {
+    return sagi_f8_min(sagi_f8_min(way_out(node, r, 0), way_out(node, r, 1)),
+                       sagi_f8_min(way_out(node, r, 2), sagi_f8_fill(limit)));
 }
 
 // One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
 // handed back; the others go on the stack. False when there is none.
-SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const sagi_float_ray *r, float limit,
-                      stack *waits, waiting *next) {
-    const char *at = (const char *)node;
-    sagi_f8 begin = sagi_f8_max(sagi_f8_max(entry(at, r, 0), entry(at, r, 1)),
-                                sagi_f8_max(entry(at, r, 2), sagi_f8_fill(r->from)));
-    sagi_f8 end = sagi_f8_min(sagi_f8_min(way_out(at, r, 0), way_out(at, r, 1)),
-                              sagi_f8_min(way_out(at, r, 2), sagi_f8_fill(limit)));
+SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const slabs *r, float limit, stack *waits,
+                      waiting *next) {
+    sagi_f8 begin = begins_of((const char *)node, r), end = ends_of((const char *)node, r, limit);
     SAGI_KERNEL_COUNT(nodes);
-    sagi_i8 met = sagi_f8_at_most(begin, end);
-    uint32_t mask = sagi_i8_mask(met), lane;
+    // The lane's number takes the place of the last three bits of where it begins, which only moves the
+    // beginning forward.
+    union {
+        uint32_t bits;
+        float value;
+    } least;
+    uint32_t mask = sagi_f8_in_order(begin, end, &least.bits), lane;
     if (mask == 0) return false;
     if (asked == CLOSEST) {
-        // The lane's number takes the place of the last three bits of where it begins, which only moves the
-        // beginning forward; what is not met comes last. (No beginning is negative: as whole numbers they are
-        // in order.)
-        const sagi_i8 numbers = {0, 1, 2, 3, 4, 5, 6, 7};
-        union {
-            uint32_t bits;
-            float value;
-        } least = {(uint32_t)sagi_i8_least((sagi_f8_bits(begin) & ~7) | numbers | (~met & INT32_MAX))};
         lane = least.bits & 7;
         least.bits &= ~7U;
         next->begin = least.value;
@@ -223,13 +242,16 @@ SAGI_INLINE bool walk(question asked, level *here) {
     stack waits = {begin, child, 0};
     waiting next = {0, 0}; // the root
     for (;;) {
-        if ((next.child & SAGI_BVH_LEAF) == 0) {
-            if (step(asked, &tree->nodes[next.child], &here->tree_ray, here->limit, &waits, &next)) continue;
-        } else if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) {
-            return true;
-        }
+        const slabs r = slabs_of(&here->tree_ray);
+        const float limit = here->limit;
+        while ((next.child & SAGI_BVH_LEAF) == 0)
+            if (!step(asked, &tree->nodes[next.child], &r, limit, &waits, &next) &&
+                !pop(asked, limit, &waits, &next))
+                goto end;
+        if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
     }
+end:
     if (asked == CLOSEST && here->candidate_count > 0) settle(here);
     return false;
 }

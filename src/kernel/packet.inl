@@ -315,13 +315,14 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     stack waits = {begin, child, 0};
     waiting next = {0, 0};
     float limit = packet_limit(p);
+    const slabs r = slabs_of(walker);
     for (uint32_t steps = 0;;) {
         if ((next.child & SAGI_BVH_LEAF) == 0) {
             SAGI_KERNEL_COUNT(packet_nodes);
             if (++steps > PACKET_STEPS) {
                 give_up_from(p, next.begin);
                 limit = packet_limit(p);
-            } else if (step(CLOSEST, &tree->nodes[next.child], walker, limit, &waits, &next)) {
+            } else if (step(CLOSEST, &tree->nodes[next.child], &r, limit, &waits, &next)) {
                 continue;
             }
         } else {

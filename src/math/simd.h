@@ -75,7 +75,7 @@ SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_m
 // −1 in lanes where a < b, or a ≤ b, else 0: as the operators say it, but well on all machines
 // (simd_halves.h).
 SAGI_INLINE sagi_i8 sagi_f8_less(sagi_f8 a, sagi_f8 b) { return a < b; }
-SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) { return a <= b; }
+SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) { return (sagi_i8)_mm256_cmp_ps(a, b, _CMP_LE_OQ); }
 // a b − p, rounded once: for p the rounded product, the product's error, and exact.
 SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
     return (sagi_d4)_mm256_fmsub_pd(a, b, p);
@@ -102,12 +102,12 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     return (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps((__m256i)a));
 }
 SAGI_INLINE uint32_t sagi_d4_signs(sagi_d4 a) { return (uint32_t)_mm256_movemask_pd((__m256d)a); }
-// The least of eight.
-SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
-    __m128i m = _mm_min_epi32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
-    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0x4e));
-    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0xb1));
-    return _mm_cvtsi128_si32(m);
+// The least of eight whole numbers without a sign.
+SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) {
+    __m128i m = _mm_min_epu32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
+    m = _mm_min_epu32(m, _mm_shuffle_epi32(m, 0x4e));
+    m = _mm_min_epu32(m, _mm_shuffle_epi32(m, 0xb1));
+    return (uint32_t)_mm_cvtsi128_si32(m);
 }
 
 #else
@@ -150,9 +150,9 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     for (int i = 0; i < 8; i++) mask |= (uint32_t)(a[i] != 0) << i;
     return mask;
 }
-SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
-    int32_t least = a[0];
-    for (int i = 1; i < 8; i++) least = a[i] < least ? a[i] : least;
+SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) {
+    uint32_t least = UINT32_MAX;
+    for (int i = 0; i < 8; i++) least = (uint32_t)a[i] < least ? (uint32_t)a[i] : least;
     return least;
 }
 SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) {
@@ -183,17 +183,11 @@ SAGI_INLINE void sagi_f4_turn8(const sagi_f4 a[8], sagi_f8 *x, sagi_f8 *y, sagi_
 // The lanes where a ≤ b. Of these, *least is the least a, which is not negative, with the lane's number in
 // place of its last three bits; where there is none, more than all others.
 SAGI_INLINE uint32_t sagi_f8_in_order(sagi_f8 a, sagi_f8 b, uint32_t *least) {
-    sagi_i8 number = {0, 1, 2, 3, 4, 5, 6, 7}, key = (sagi_f8_bits(a) & ~7) | number;
-#if defined(SAGI_SIMD_AVX512)
-    __mmask8 met = _mm256_cmp_ps_mask((__m256)a, (__m256)b, _CMP_LE_OQ);
-    key = (sagi_i8)_mm256_mask_mov_epi32(_mm256_set1_epi32(INT32_MAX), met, (__m256i)key);
-    *least = (uint32_t)sagi_i8_least(key);
-    return met;
-#else
+    const sagi_i8 number = {0, 1, 2, 3, 4, 5, 6, 7};
     sagi_i8 met = sagi_f8_at_most(a, b);
-    *least = (uint32_t)sagi_i8_least(key | (~met & INT32_MAX));
+    *least =
+        sagi_i8_least((sagi_f8_bits(a) & ~7) | number | ~met); // (none is negative: in order as they are)
     return sagi_i8_mask(met);
-#endif
 }
 
 // Writes the lanes in the mask of two vectors, in order, one after the other to p and q, each of which must

@@ -13,11 +13,11 @@ SAGI_INLINE sagi_half sagi_half_sqrt(sagi_half a) { return _mm_sqrt_ps(a); }
 SAGI_INLINE sagi_half sagi_half_less(sagi_half a, sagi_half b) { return _mm_cmplt_ps(a, b); }
 SAGI_INLINE sagi_half sagi_half_at_most(sagi_half a, sagi_half b) { return _mm_cmple_ps(a, b); }
 SAGI_INLINE uint32_t sagi_half_mask(sagi_half a) { return (uint32_t)_mm_movemask_ps(a); }
-SAGI_INLINE int32_t sagi_half_least(sagi_half a, sagi_half b) {
-    __m128i m = _mm_min_epi32(_mm_castps_si128(a), _mm_castps_si128(b));
-    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0x4e));
-    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0xb1));
-    return _mm_cvtsi128_si32(m);
+SAGI_INLINE uint32_t sagi_half_least(sagi_half a, sagi_half b) {
+    __m128i m = _mm_min_epu32(_mm_castps_si128(a), _mm_castps_si128(b));
+    m = _mm_min_epu32(m, _mm_shuffle_epi32(m, 0x4e));
+    m = _mm_min_epu32(m, _mm_shuffle_epi32(m, 0xb1));
+    return (uint32_t)_mm_cvtsi128_si32(m);
 }
 SAGI_INLINE sagi_half sagi_half_from_u16(const uint16_t p[4]) {
     return _mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(const void *)p)));
@@ -38,8 +38,8 @@ SAGI_INLINE uint32_t sagi_half_mask(sagi_half a) {
     const uint32_t bits[4] = {1, 2, 4, 8};
     return vaddvq_u32(vandq_u32(vreinterpretq_u32_f32(a), vld1q_u32(bits)));
 }
-SAGI_INLINE int32_t sagi_half_least(sagi_half a, sagi_half b) {
-    return vminvq_s32(vminq_s32(vreinterpretq_s32_f32(a), vreinterpretq_s32_f32(b)));
+SAGI_INLINE uint32_t sagi_half_least(sagi_half a, sagi_half b) {
+    return vminvq_u32(vminq_u32(vreinterpretq_u32_f32(a), vreinterpretq_u32_f32(b)));
 }
 SAGI_INLINE sagi_half sagi_half_from_u16(const uint16_t p[4]) {
     return vcvtq_f32_u32(vmovl_u16(vld1_u16(p)));
@@ -80,7 +80,7 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     sagi_halves x = {(sagi_f8)a};
     return sagi_half_mask(x.half[0]) | sagi_half_mask(x.half[1]) << 4;
 }
-SAGI_INLINE int32_t sagi_i8_least(sagi_i8 a) {
+SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) {
     sagi_halves x = {(sagi_f8)a};
     return sagi_half_least(x.half[0], x.half[1]);
 }
