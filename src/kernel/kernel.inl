@@ -8,6 +8,7 @@
 #include "kernel/block.h"
 #include "kernel/kernel.h"
 #include "kernel/ray.h"
+#include "math/map.h"
 #include "shapes/common.h"
 #include "shapes/mesh.h"
 #include "shapes/sphere_solve.h"

@@ -26,8 +26,8 @@ static inline const sag_ray *local(const level *here, const sagi_item *item, loc
         at->valid = true;
         at->ray = *here->ray;
         if (item->place != NULL) {
-            at->ray = sag_ray_transform(&item->place->to_object, here->ray);
-            at->valid = sag_ray_is_valid(&at->ray);
+            at->ray = sagi_ray_transform(&item->place->to_object, here->ray);
+            at->valid = sagi_ray_is_valid(&at->ray);
         }
     }
     at->ray.t_max = here->t_max;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Affine maps: making, applying and multiplying them.
-#include <sagitta/math.h>
+#include "math/map.h"
 
 sag_affine sag_affine_identity(void) { return sag_affine_scale(sag_vec3_make(1, 1, 1)); }
 
@@ -74,17 +74,8 @@ sag_affine sag_affine_multiply(const sag_affine *a, const sag_affine *b) {
     return r;
 }
 
-sag_vec3 sag_affine_point(const sag_affine *a, sag_vec3 p) {
-    return sag_vec3_make(a->m[0][0] * p.x + a->m[0][1] * p.y + a->m[0][2] * p.z + a->m[0][3],
-                         a->m[1][0] * p.x + a->m[1][1] * p.y + a->m[1][2] * p.z + a->m[1][3],
-                         a->m[2][0] * p.x + a->m[2][1] * p.y + a->m[2][2] * p.z + a->m[2][3]);
-}
-
-sag_vec3 sag_affine_vector(const sag_affine *a, sag_vec3 v) {
-    return sag_vec3_make(a->m[0][0] * v.x + a->m[0][1] * v.y + a->m[0][2] * v.z,
-                         a->m[1][0] * v.x + a->m[1][1] * v.y + a->m[1][2] * v.z,
-                         a->m[2][0] * v.x + a->m[2][1] * v.y + a->m[2][2] * v.z);
-}
+sag_vec3 sag_affine_point(const sag_affine *a, sag_vec3 p) { return sagi_affine_point(a, p); }
+sag_vec3 sag_affine_vector(const sag_affine *a, sag_vec3 v) { return sagi_affine_vector(a, v); }
 
 sag_vec3 sag_affine_transposed(const sag_affine *a, sag_vec3 n) {
     return sag_vec3_make(a->m[0][0] * n.x + a->m[1][0] * n.y + a->m[2][0] * n.z,

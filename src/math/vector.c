@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The vector functions that are more than a line.
-#include <sagitta/math.h>
+#include "math/map.h"
 
-// Between these bounds the sum of squares neither overflows nor loses bits that matter to underflow: a square
-// that is flushed is below 2⁻¹⁰²² and the sum is at least 2⁻⁹⁰⁰, so it is smaller than a rounding. Outside,
-// the vector is first brought near 1 by a power of two, which is exact.
+// Where the sum of squares would overflow or underflow, the vector is first brought near 1 by a power of two,
+// which is exact.
 sag_vec3 sag_normalize(sag_vec3 a) {
     double squared = sag_dot(a, a);
-    if (!(squared > 0x1p-900 && squared < 0x1p1000)) {
+    if (!sagi_square_is_safe(squared)) {
         double largest = sag_max_component(sag_abs(a));
         if (largest == 0) return a;
         int exponent = isfinite(largest) ? ilogb(largest) : 0; // of an infinite vector comes NaN

@@ -7,6 +7,7 @@
 // angle 0 … π from top to bottom, from +y.
 #include "camera.h"
 
+#include "math/map.h"
 #include "warp.h"
 
 sag_affine sag_camera_look_at(sag_vec3 eye, sag_vec3 target, sag_vec3 up) {
@@ -46,6 +47,8 @@ sag_status sagi_camera_init(sagi_camera *camera, const sag_camera *description, 
     camera->y_max = y_max * scale;
     camera->x_per_pixel = (x_max - x_min) * scale / width;
     camera->y_per_pixel = (y_max - y_min) * scale / height;
+    camera->pinhole = description->kind == SAG_CAMERA_PERSPECTIVE && !sagi_camera_has_lens(camera);
+    camera->eye = sag_affine_point(&description->to_world, (sag_vec3){0, 0, 0});
     return SAG_OK;
 }
 
@@ -76,6 +79,8 @@ sag_ray sagi_camera_ray(const sagi_camera *camera, double x, double y, sag_vec2 
         if (focus > 0 && isfinite(focus)) direction = sag_madd(direction, -1 / focus, offset);
         origin = sag_add(origin, offset);
     }
-    return sag_ray_make(sag_affine_point(&camera->camera.to_world, origin),
-                        sag_normalize(sag_affine_vector(&camera->camera.to_world, direction)));
+    const sag_affine *to_world = &camera->camera.to_world;
+    return (sag_ray){.origin = sagi_affine_point(to_world, origin),
+                     .direction = sagi_normalize(sagi_affine_vector(to_world, direction)),
+                     .t_max = INFINITY};
 }

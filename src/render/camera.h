@@ -10,6 +10,8 @@ typedef struct sagi_camera {
     double width, height;            // of the film in pixels
     double x_min, y_max;             // of the screen window
     double x_per_pixel, y_per_pixel; // in camera space at z = 1 (orthographic: at any z)
+    bool pinhole;                    // perspective, without a lens
+    sag_vec3 eye;                    // where camera space has its origin
 } sagi_camera;
 
 // SAG_ERROR_ARGUMENT for a film without pixels, a map that is not finite or an angle out of (0°, 180°).

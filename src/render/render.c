@@ -122,7 +122,8 @@ void sag_render_destroy(sag_render *render) {
 }
 
 // Follows the wave's paths to their ends and adds each sample to its pixel. Returns how many were not finite.
-static uint32_t finish_wave(sagi_wave *wave) {
+static uint32_t finish_wave(sagi_wave *wave, bool glance) {
+    if (glance) return sagi_glance_finish(wave);
     uint32_t bad = 0;
     sagi_wave_follow(wave);
     for (uint32_t i = 0; i < wave->path_count; i++) {
@@ -153,6 +154,15 @@ static void report(sag_render *render) {
     atomic_flag_clear(&render->reporting);
 }
 
+// Every second bit, from the lowest: pixels in Morton's order, so that any sixteen one after the other are
+// neighbours, whose rays run together.
+static uint32_t along(uint32_t i) {
+    i &= 0x55;
+    i = (i | i >> 1) & 0x33;
+    return (i | i >> 2) & 0x0F;
+}
+_Static_assert(SAGI_TILE_SIZE == 16, "along() takes four bits");
+
 static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     uint32_t first = render->tile_done[index], end = render->pass_end;
     if (first >= end) return;
@@ -162,16 +172,19 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     uint32_t y1 = y0 + SAGI_TILE_SIZE < render->height ? y0 + SAGI_TILE_SIZE : render->height;
     uint64_t bad = 0;
     wave->rays_traced = 0;
-    for (uint32_t y = y0; y < y1; y++) {
-        for (uint32_t x = x0; x < x1; x++) {
-            sagi_pixel *pixel = &render->pixels[(size_t)y * render->width + x];
-            for (uint32_t i = first; i < end; i++) {
-                sagi_wave_start(wave, pixel, x, y, i);
-                if (wave->path_count == render->wave_size) bad += finish_wave(wave);
-            }
+    const bool glance = sagi_can_glance(render);
+    for (uint32_t i = 0; i < SAGI_TILE_SIZE * SAGI_TILE_SIZE; i++) {
+        const uint32_t x = x0 + along(i), y = y0 + along(i >> 1);
+        if (x >= x1 || y >= y1) continue;
+        sagi_pixel *pixel = &render->pixels[(size_t)y * render->width + x];
+        for (uint32_t k = first, next; k < end; k = next) {
+            const uint32_t room = render->wave_size - wave->path_count;
+            next = end - k < room ? end : k + room;
+            (glance ? sagi_glance_start : sagi_wave_start)(wave, pixel, x, y, k, next);
+            if (wave->path_count == render->wave_size) bad += finish_wave(wave, glance);
         }
     }
-    bad += finish_wave(wave);
+    bad += finish_wave(wave, glance);
     render->tile_done[index] = end;
     atomic_fetch_add(&render->rays, wave->rays_traced);
     atomic_fetch_add(&render->bad_samples, bad);

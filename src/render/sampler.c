@@ -18,14 +18,6 @@
 // bits that count − 1 has need be kept.
 #include "sampler.h"
 
-uint64_t sagi_mix(uint64_t x) {
-    x ^= x >> 30;
-    x *= UINT64_C(0xBF58476D1CE4E5B9);
-    x ^= x >> 27;
-    x *= UINT64_C(0x94D049BB133111EB);
-    return x ^ (x >> 31);
-}
-
 uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed) {
     uint32_t mask = count - 1;
     mask |= mask >> 1, mask |= mask >> 2, mask |= mask >> 4, mask |= mask >> 8, mask |= mask >> 16;
@@ -89,21 +81,6 @@ void sagi_sampler_init(sagi_sampler *sampler, sag_sampler_kind kind, uint64_t se
     sampler->index_mask = mask;
 }
 
-void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
-    sampler->key = sagi_mix(sampler->seed ^ sagi_mix((uint64_t)y << 32 | x));
-}
-
-void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample) {
-    sampler->sample = sample;
-    sampler->dimension = 0;
-}
-
-// 64 random bits for this pixel, sample and dimension.
-static uint64_t bits(const sagi_sampler *sampler) {
-    uint64_t counter = (uint64_t)sampler->sample << 32 | sampler->dimension;
-    return sagi_mix(sampler->key + counter * UINT64_C(0x9E3779B97F4A7C15));
-}
-
 // 64 bits for this pixel and dimension, the same for all its samples.
 static uint64_t dimension_bits(const sagi_sampler *sampler) {
     return sagi_mix(sampler->key ^ (sampler->dimension + UINT64_C(1)) * UINT64_C(0xD1342543DE82EF95));
@@ -112,10 +89,10 @@ static uint64_t dimension_bits(const sagi_sampler *sampler) {
 double sagi_sampler_1d(sagi_sampler *sampler) {
     double result = 0;
     switch (sampler->kind) {
-    case SAG_SAMPLER_INDEPENDENT: result = (double)(bits(sampler) >> 11) * 0x1p-53; break;
+    case SAG_SAMPLER_INDEPENDENT: result = (double)(sagi_sampler_bits(sampler) >> 11) * 0x1p-53; break;
     case SAG_SAMPLER_STRATIFIED: {
         uint32_t stratum = sagi_permute(sampler->sample, sampler->count, (uint32_t)dimension_bits(sampler));
-        result = (stratum + (double)(bits(sampler) >> 32) * 0x1p-32) / sampler->count;
+        result = (stratum + (double)(sagi_sampler_bits(sampler) >> 32) * 0x1p-32) / sampler->count;
         break;
     }
     case SAG_SAMPLER_SOBOL: {
@@ -136,12 +113,12 @@ sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
     uint64_t random = 0;
     switch (sampler->kind) {
     case SAG_SAMPLER_INDEPENDENT:
-        random = bits(sampler);
+        random = sagi_sampler_bits(sampler);
         result.x = (double)(random >> 32) * 0x1p-32;
         result.y = (double)(random & 0xFFFFFFFFu) * 0x1p-32;
         break;
     case SAG_SAMPLER_STRATIFIED: {
-        random = bits(sampler);
+        random = sagi_sampler_bits(sampler);
         uint32_t stratum = sagi_permute(sampler->sample, sampler->count, (uint32_t)dimension_bits(sampler));
         uint32_t x = stratum % sampler->x_count, y = stratum / sampler->x_count;
         result.x = (x + (double)(random >> 32) * 0x1p-32) / sampler->x_count;

@@ -17,16 +17,34 @@ typedef struct sagi_sampler {
     uint32_t dimension; // of this sample: counts the calls
 } sagi_sampler;
 
+// A bijection of 64 bits that leaves no visible relation between near arguments (sampler.c).
+static inline uint64_t sagi_mix(uint64_t x) {
+    x ^= x >> 30;
+    x *= UINT64_C(0xBF58476D1CE4E5B9);
+    x ^= x >> 27;
+    x *= UINT64_C(0x94D049BB133111EB);
+    return x ^ (x >> 31);
+}
+
+static inline void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
+    sampler->key = sagi_mix(sampler->seed ^ sagi_mix((uint64_t)y << 32 | x));
+}
+static inline void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample) {
+    sampler->sample = sample;
+    sampler->dimension = 0;
+}
+
+// 64 random bits for this pixel, sample and dimension.
+static inline uint64_t sagi_sampler_bits(const sagi_sampler *sampler) {
+    uint64_t counter = (uint64_t)sampler->sample << 32 | sampler->dimension;
+    return sagi_mix(sampler->key + counter * UINT64_C(0x9E3779B97F4A7C15));
+}
+
 // The part that is the same for all pixels. count > 0.
 void sagi_sampler_init(sagi_sampler *sampler, sag_sampler_kind kind, uint64_t seed, uint32_t count);
-void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y);
-void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample);
 // One number, and a pair, in [0, 1).
 double sagi_sampler_1d(sagi_sampler *sampler);
 sag_vec2 sagi_sampler_2d(sagi_sampler *sampler);
-
-// A bijection of 64 bits that leaves no visible relation between near arguments.
-uint64_t sagi_mix(uint64_t x);
 // Where `index` goes in the pseudo-random permutation of [0, count) that `seed` names.
 uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed);
 

@@ -20,8 +20,8 @@ static sag_rgb normal_color(const sagi_bsdf *bsdf) {
     return sagi_rgb((n.x + 1) / 2, (n.y + 1) / 2, (n.z + 1) / 2);
 }
 
-// A bright colour of the ids: hues spread by the hash.
-static sag_rgb id_color(const sag_hit *hit) {
+// Hues spread by the hash.
+sag_rgb sagi_id_color(const sag_hit *hit) {
     uint64_t h = sagi_mix(hit->geometry + UINT64_C(1));
     for (uint32_t i = 0; i < hit->instance_depth; i++)
         h = sagi_mix(h ^ sagi_mix(hit->instance_path[i] + UINT64_C(1)));
@@ -40,7 +40,7 @@ void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
         path->radiance = sagi_rgb(surface->u - floor(surface->u), surface->v - floor(surface->v), 0);
         break;
     case SAG_INTEGRATOR_DEPTH: path->radiance = sagi_rgb_grey(path->distance); break;
-    case SAG_INTEGRATOR_ID: path->radiance = id_color(meeting->hit); break;
+    case SAG_INTEGRATOR_ID: path->radiance = sagi_id_color(meeting->hit); break;
     case SAG_INTEGRATOR_ALBEDO: path->radiance = sagi_bsdf_albedo(&meeting->bsdf); break;
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT: break;

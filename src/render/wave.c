@@ -11,7 +11,7 @@
 // The picture cannot depend on any of this. A path has its own random numbers and sums, nothing of them is
 // touched in another order than if it were alone (light that a shadow ray lets through is added before the
 // next step), and the pixels get their samples in the order these were started.
-#include "job.h"
+#include "start.h"
 
 bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
     const sag_context *context = render->context;
@@ -23,9 +23,10 @@ bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
     wave->shadows = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadows);
     wave->shadow_rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     wave->occluded = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->occluded);
+    wave->pixels = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->pixels);
     if (render->see_through) wave->samples = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->samples);
     return (wave->samples || !render->see_through) && wave->paths && wave->active && wave->rays &&
-           wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
+           wave->pixels && wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
 }
 
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
@@ -36,23 +37,21 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
     sag_release(context, wave->shadows, SAGI_WAVE_SIZE * sizeof *wave->shadows);
     sag_release(context, wave->shadow_rays, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     sag_release(context, wave->occluded, SAGI_WAVE_SIZE * sizeof *wave->occluded);
+    sag_release(context, wave->pixels, SAGI_WAVE_SIZE * sizeof *wave->pixels);
     sag_release(context, wave->samples, SAGI_WAVE_SIZE * sizeof *wave->samples);
 }
 
-void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t sample) {
+void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
+                     uint32_t end) {
     const sag_render *render = wave->render;
-    sagi_path *path = &wave->paths[wave->path_count++];
-    *path = (sagi_path){
-        .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1}, .eta2 = 1, .exact = true};
-    sagi_sampler_start_pixel(&path->sampler, x, y);
-    sagi_sampler_start_sample(&path->sampler, sample);
-    sag_vec2 offset = sagi_filter_sample(&render->filter, sagi_sampler_2d(&path->sampler));
-    sag_vec2 lens = {0, 0};
-    if (sagi_camera_has_lens(&render->camera)) lens = sagi_sampler_2d(&path->sampler);
-    sag_ray ray = sagi_camera_ray(&render->camera, x + 0.5 + offset.x, y + 0.5 + offset.y, lens);
-    ray.mask = SAG_RAY_CAMERA;
-    wave->active[wave->active_count] = path;
-    wave->rays[wave->active_count++] = ray;
+    for (uint32_t sample = first; sample < end; sample++) {
+        sagi_path *path = &wave->paths[wave->path_count++];
+        *path = (sagi_path){
+            .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1}, .eta2 = 1, .exact = true};
+        sagi_sampler_start_pixel(&path->sampler, x, y);
+        wave->active[wave->active_count] = path;
+        sagi_camera_sample(render, &path->sampler, x, y, sample, &wave->rays[wave->active_count++]);
+    }
 }
 
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,

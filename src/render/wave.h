@@ -58,20 +58,32 @@ typedef struct sagi_wave {
     sag_ray *shadow_rays;
     bool *occluded;
     sagi_light_sample *samples; // what the shadow rays go to; only where they may have to go on, else NULL
+    sagi_pixel **pixels;        // of samples that are no paths (glance.c)
     uint64_t rays_traced;
 } sagi_wave;
 
 // False when memory is short; clear it then too. `wave` is zeroed.
 bool sagi_wave_init(sagi_wave *wave, const sag_render *render);
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context);
-// Starts a sample of the pixel at (x, y). The wave has less than SAGI_WAVE_SIZE paths.
-void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t sample);
+// Starts samples number first … end − 1 of the pixel at (x, y). The wave has room for them.
+void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
+                     uint32_t end);
 // Follows all paths to their ends: then paths[0 … path_count) have their radiance.
 void sagi_wave_follow(sagi_wave *wave);
 // Adds light to a path if the sampled light is seen from the surface: at once, or before the path's next
 // step.
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
                          const sagi_light_sample *sample, sag_rgb light);
+
+// Samples that are no more than the hit of the camera's ray (glance.c): whether this render's are; starting
+// some, as sagi_wave_start does; tracing all that were started and adding them to their pixels, which returns
+// how many were not finite.
+bool sagi_can_glance(const sag_render *render);
+void sagi_glance_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
+                       uint32_t end);
+uint32_t sagi_glance_finish(sagi_wave *wave);
+// A bright colour of the hit's ids.
+sag_rgb sagi_id_color(const sag_hit *hit);
 
 // How many surfaces that are not there a ray passes before it is given up: a bound, not a setting.
 #define SAGI_MAX_PASSED 10000u
