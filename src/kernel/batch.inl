@@ -301,6 +301,12 @@ SAGI_INLINE void trace_crowd(question asked, crowd *c) {
 #define CROWD 1024
 
 static void intersect_batch(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count) {
+    if (world->solid != NULL) { // has no tree of primitives
+        for (size_t i = 0; i < count; i++)
+            if (!intersect(world, &rays[i], &hits[i]))
+                hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+        return;
+    }
     uint16_t number[CROWD];
     packet_luck luck = {0};
     crowd c;
@@ -318,6 +324,10 @@ static void intersect_batch(const sagi_world *world, const sag_ray *rays, sag_hi
 }
 
 static void occluded_batch(const sagi_world *world, const sag_ray *rays, bool *dark, size_t count) {
+    if (world->solid != NULL) {
+        for (size_t i = 0; i < count; i++) dark[i] = occluded(world, &rays[i]);
+        return;
+    }
     uint16_t number[CROWD];
     crowd c;
     c.world = world, c.number = number, c.hits = NULL;

@@ -15,6 +15,7 @@
 #include "shapes/spheres.h"
 #include "shapes/triangle_solve.h"
 #include "shapes/user.h"
+#include "solid/tree.h"
 #include <string.h>
 
 // What a count of the kernel's steps hooks into (bench/); nothing in the library.
@@ -115,6 +116,10 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
 static bool walk_closest(level *here);
 static bool walk_any(level *here);
 static bool walk_all(level *here);
+static bool search_solid(question asked, level *here);
+static bool run_solid(question asked, level *here, bool *inside);
+static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
+                        size_t capacity);
 
 #include "kernel/triangles.inl"
 
@@ -257,6 +262,8 @@ end:
     return false;
 }
 
+#include "kernel/solid.inl"
+
 static bool walk_closest(level *here) { return walk(CLOSEST, here); }
 static bool walk_any(level *here) { return walk(ANY, here); }
 static bool walk_all(level *here) { return walk(ALL, here); }
@@ -266,7 +273,10 @@ static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit)
     s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0;
     level here;
     enter(&here, world, ray, &s);
-    walk(CLOSEST, &here);
+    if (world->solid != NULL)
+        search_solid(CLOSEST, &here);
+    else
+        walk(CLOSEST, &here);
     return s.found;
 }
 
@@ -275,7 +285,7 @@ static bool occluded(const sagi_world *world, const sag_ray *ray) {
     s.found = false, s.both_sides = false, s.path_length = 0;
     level here;
     enter(&here, world, ray, &s);
-    return walk(ANY, &here);
+    return world->solid != NULL ? search_solid(ANY, &here) : walk(ANY, &here);
 }
 
 static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
@@ -285,7 +295,10 @@ static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_s
     do {
         level here;
         enter(&here, world, ray, &s);
-        walk(ALL, &here);
+        if (world->solid != NULL)
+            search_solid(ALL, &here);
+        else
+            walk(ALL, &here);
     } while (sagi_repeats_hand_on(&s.repeats, &s.collector));
     sagi_collector_finish(&s.collector);
     return s.collector.count;

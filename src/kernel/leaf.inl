@@ -97,9 +97,10 @@ static inline bool instance_run(question asked, level *here, const sagi_bvh_refe
         level below;
         enter(&below, item->child, ray, s);
         s->path[s->path_length++] = refs[i].geometry;
-        bool over = asked == CLOSEST ? walk_closest(&below)
-                    : asked == ANY   ? walk_any(&below)
-                                     : walk_all(&below);
+        bool over = below.world->solid != NULL ? search_solid(asked, &below)
+                    : asked == CLOSEST         ? walk_closest(&below)
+                    : asked == ANY             ? walk_any(&below)
+                                               : walk_all(&below);
         s->path_length--;
         if (over) return true;
         lower_t_max(here, below.t_max);

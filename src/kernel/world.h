@@ -9,6 +9,7 @@
 #include <sagitta/scene.h>
 
 typedef struct sagi_world sagi_world;
+typedef struct sagi_solid sagi_solid; // solid/tree.h
 
 // Where a geometry or instance stands.
 typedef struct sagi_place {
@@ -21,7 +22,7 @@ typedef struct sagi_place {
 // A geometry. Its number in sagi_world.items is its id.
 typedef struct sagi_item {
     const void *shape;       // its struct; a mesh's with the vertices where they stand in the scene
-    const sagi_world *child; // of an instance; else NULL
+    const sagi_world *child; // of an instance; of a mesh that is a part of a solid: a world of it alone
     const sagi_place *place; // NULL: the identity, and always for meshes
     uint32_t mask;           // never 0
     uint8_t kind;            // sag_shape_kind
@@ -41,7 +42,8 @@ struct sagi_world {
     // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing
     // here has a transform (ray.h).
     double spread_relative, spread_absolute;
-    bool has_spread; // one of them is not 0
+    bool has_spread;         // one of them is not 0
+    const sagi_solid *solid; // of a solid: its tree; else NULL
 };
 
 #endif

@@ -9,7 +9,7 @@
 bool sagi_primitive_corners(const void *snapshot, const sagi_bvh_primitive *primitive, double corner[3][3]) {
     const sagi_snapshot *s = snapshot;
     const sagi_item *item = &s->items[primitive->geometry];
-    if (item->kind != SAG_SHAPE_MESH) return false;
+    if (item->kind != SAG_SHAPE_MESH || s->solid != NULL) return false;
     sag_vec3 vertex[3];
     sagi_mesh_triangle(item->shape, primitive->primitive, vertex);
     for (int i = 0; i < 3; i++) {

@@ -167,6 +167,7 @@ typedef struct waiting {
 
 static void walk(const level *here, search *s) {
     const sagi_world *w = &here->snapshot->world;
+    if (w->solid != NULL) return; // passed over
     for (uint32_t i = 0; i < w->unbounded_count; i++) try_reference(here, s, &w->unbounded[i]);
     if (w->tree.node_count == 0) return;
     probe b = make_probe(here, s->point);

@@ -77,7 +77,11 @@ sag_status sagi_snapshot_fill(sagi_snapshot *s, const sag_scene *scene, sag_erro
 }
 
 static sag_status make(const sag_scene *scene, sagi_snapshot *s, sag_error *error) {
-    sag_status status = sagi_snapshot_fill(s, scene, error);
+    sag_status status = SAG_OK;
+    if (scene->solid.steps != NULL) status = sagi_snapshot_set_solid(s, scene, error);
+    if (status == SAG_OK) status = sagi_snapshot_fill(s, scene, error);
+    if (status == SAG_OK && s->solid != NULL)
+        status = sagi_snapshot_measure_parts(s, scene->cell->current, error);
     if (status != SAG_OK) return status;
     status = sagi_snapshot_build(s, scene->cell->current);
     if (status == SAG_OK && !sagi_snapshot_count_shared(s)) status = SAG_ERROR_MEMORY;
@@ -110,7 +114,8 @@ sag_status sag_scene_commit(sag_scene *scene, sag_error *error) {
 // The committed data and tables, the scene's own, and the descriptions that are not (any more, or yet) the
 // committed ones.
 static uint64_t memory_of(const sag_scene *scene, const sagi_snapshot *s) {
-    uint64_t bytes = sizeof *scene + sizeof *scene->cell + scene->capacity * sizeof *scene->geometries;
+    uint64_t bytes = sizeof *scene + sizeof *scene->cell + scene->capacity * sizeof *scene->geometries +
+                     scene->solid.step_count * sizeof *scene->solid.steps;
     bytes += sagi_snapshot_table_bytes(s) + s->stats.geometry_bytes + s->stats.structure_bytes;
     for (uint32_t i = 0; i < scene->count; i++) {
         const sagi_store *store = scene->geometries[i].store;

@@ -231,9 +231,10 @@ static sag_status form_and_build(sagi_snapshot *s, const sagi_snapshot *old, lim
     return status;
 }
 
-// The second and third attempts are rare: all in one tree is never too deep.
+// The second and third attempts are rare: all in one tree is never too deep. The parts of a solid always are.
 sag_status sagi_snapshot_build(sagi_snapshot *s, const sagi_snapshot *old) {
-    limits l = {false, false};
+    limits l = {s->solid != NULL, false};
+    if (s->solid != NULL || (old != NULL && old->solid != NULL)) old = NULL; // not of the same primitives
     bool again;
     sag_status status = form_and_build(s, old, &l, &again);
     while (status == SAG_OK && again) {

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static sagi_block_kind kind_of(const sagi_snapshot *s, uint32_t geometry) {
-    if (geometry == SAGI_BVH_MIXED) return SAGI_BLOCK_REFERENCES;
+    if (geometry == SAGI_BVH_MIXED || s->solid != NULL) return SAGI_BLOCK_REFERENCES;
     const sagi_item *item = &s->items[geometry];
     if (item->kind == SAG_SHAPE_MESH) return SAGI_BLOCK_TRIANGLES;
     return item->kind == SAG_SHAPE_SPHERES && item->place == NULL ? SAGI_BLOCK_SPHERES
@@ -15,14 +15,15 @@ static sagi_block_kind kind_of(const sagi_snapshot *s, uint32_t geometry) {
 }
 
 // A block of triangles or spheres costs the same however many there are. The other shapes are tested one by
-// one, in double, and further boxes are much cheaper.
+// one, in double, and further boxes are much cheaper; parts of a solid have a leaf each wherever they differ.
 sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
     switch (kind_of(snapshot, geometry)) {
     case SAGI_BLOCK_TRIANGLES: return (sagi_leaf_cost){.all = 1.2f};
     case SAGI_BLOCK_SPHERES: return (sagi_leaf_cost){.all = 0.6f};
     case SAGI_BLOCK_REFERENCES: break;
     }
-    return (sagi_leaf_cost){.all = 0.5f, .each = 2};
+    const sagi_snapshot *s = snapshot;
+    return s->solid != NULL ? (sagi_leaf_cost){.each = 16} : (sagi_leaf_cost){.all = 0.5f, .each = 2};
 }
 
 uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count) {

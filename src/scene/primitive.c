@@ -9,11 +9,8 @@
 #include "shapes/sphere.h"
 #include "shapes/spheres.h"
 
-uint32_t sagi_primitive_count(const sagi_snapshot *snapshot, uint32_t geometry) {
-    const sagi_entry *e = &snapshot->entries[geometry];
-    const void *shape = snapshot->items[geometry].shape;
-    if (!e->present) return 0;
-    switch ((sag_shape_kind)snapshot->items[geometry].kind) {
+uint32_t sagi_shape_primitive_count(sag_shape_kind kind, const void *shape) {
+    switch (kind) {
     case SAG_SHAPE_MESH: return ((const sag_mesh *)shape)->triangle_count;
     case SAG_SHAPE_SPHERES: return ((const sag_spheres *)shape)->count;
     case SAG_SHAPE_USER: return ((const sag_user *)shape)->primitive_count;
@@ -41,6 +38,12 @@ uint32_t sagi_primitive_count(const sagi_snapshot *snapshot, uint32_t geometry) 
     return 1;
 }
 
+uint32_t sagi_primitive_count(const sagi_snapshot *snapshot, uint32_t geometry) {
+    const sagi_item *item = &snapshot->items[geometry];
+    if (!snapshot->entries[geometry].present) return 0;
+    return snapshot->solid != NULL ? 1 : sagi_shape_primitive_count((sag_shape_kind)item->kind, item->shape);
+}
+
 static sagi_primitive_state triangle_box(const sag_mesh *mesh, uint32_t triangle, sag_box3 *box) {
     sag_vec3 p[3];
     switch (sagi_mesh_triangle_state(mesh, triangle, p)) {
@@ -60,8 +63,8 @@ static bool is_bounded(const sag_box3 *box) {
 
 static bool is_nan(sag_vec3 v) { return isnan(v.x) || isnan(v.y) || isnan(v.z); }
 
-sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,
-                                        sag_box3 *box) {
+sagi_primitive_state sagi_own_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,
+                                  sag_box3 *box) {
     const sagi_item *item = &snapshot->items[geometry];
     const sagi_entry *entry = &snapshot->entries[geometry];
     sag_box3 own;
@@ -88,4 +91,14 @@ sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t 
     if (!is_bounded(&own)) return SAGI_PRIMITIVE_UNBOUNDED;
     *box = item->place != NULL ? sag_affine_box(&item->place->to_scene, &own) : own;
     return is_bounded(box) ? SAGI_PRIMITIVE_GOOD : SAGI_PRIMITIVE_UNBOUNDED;
+}
+
+sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,
+                                        sag_box3 *box) {
+    if (snapshot->solid == NULL) return sagi_own_box(snapshot, geometry, primitive, box);
+    const sag_box3 *part = &snapshot->part_boxes[sagi_solid_part_of(snapshot->solid)[geometry]];
+    if (sag_box3_is_empty(part)) return SAGI_PRIMITIVE_EMPTY;
+    if (!is_bounded(part)) return SAGI_PRIMITIVE_UNBOUNDED;
+    *box = *part;
+    return SAGI_PRIMITIVE_GOOD;
 }

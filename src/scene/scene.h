@@ -11,6 +11,7 @@
 
 #include "kernel/block.h"
 #include "kernel/kernel.h"
+#include "solid/tree.h"
 #include <stdatomic.h>
 #include <time.h>
 
@@ -53,6 +54,7 @@ typedef struct sagi_entry {
     sagi_store *store;    // the description as given; NULL for an instance
     sagi_store *moved;    // a transformed mesh, else NULL
     sagi_snapshot *child; // of an instance, else NULL
+    sagi_snapshot *alone; // of a mesh in a solid: a scene of nothing else, else NULL
     sagi_place place;
     bool placed;       // place is not the identity
     sag_update update; // what is expected of it
@@ -89,8 +91,10 @@ struct sagi_snapshot {
     uint32_t *members; // ids by group
     uint32_t group_count, member_count;
     sag_scene_stats stats;
-    double radius;       // the largest coordinate of stats.bounds
-    sag_quality quality; // that the tree is built with
+    double radius;        // the largest coordinate of stats.bounds
+    sag_quality quality;  // that the tree is built with
+    sagi_solid *solid;    // world.solid
+    sag_box3 *part_boxes; // where each part matters
 };
 
 // A snapshot of `count` empty entries, not yet with a tree; NULL when memory is short.
@@ -128,6 +132,12 @@ typedef struct sagi_listing {
 bool sagi_listing_add(sagi_listing *listing, const sagi_snapshot *snapshot);
 uint32_t sagi_listing_find(const sagi_listing *listing, const sagi_snapshot *snapshot); // one that is there
 void sagi_listing_release(sagi_listing *listing);
+
+// A solid's tree from the steps; then, from tree and entries, the boxes of its parts and the worlds of its
+// meshes (solid.c).
+sag_status sagi_snapshot_set_solid(sagi_snapshot *snapshot, const sag_scene *scene, sag_error *error);
+sag_status sagi_snapshot_measure_parts(sagi_snapshot *snapshot, const sagi_snapshot *before,
+                                       sag_error *error);
 
 // What follows from entries, units, bounds and tree: the spread, the statistics (structure.c).
 void sagi_snapshot_measure(sagi_snapshot *snapshot);
@@ -174,10 +184,16 @@ sagi_bvh_primitive *sagi_sphere_boxes(const sagi_world *world, uint32_t geometry
 sagi_bvh_primitive sagi_world_primitive(const sagi_world *world, const sag_box3 *box, uint32_t geometry,
                                         uint32_t primitive);
 
-// How many primitives a geometry has, and the box of one in the scene's space (written when it is good).
+// How many numbers a geometry's primitives have.
+uint32_t sagi_shape_primitive_count(sag_shape_kind kind, const void *shape);
+// How many primitives of a geometry the tree has, and the box of one in the scene's space (written when it is
+// good). A part of a solid is one primitive, whatever it is.
 uint32_t sagi_primitive_count(const sagi_snapshot *snapshot, uint32_t geometry);
 sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,
                                         sag_box3 *box);
+// The box of a primitive whether the scene is a solid or not (a mesh's: of a triangle).
+sagi_primitive_state sagi_own_box(const sagi_snapshot *snapshot, uint32_t geometry, uint32_t primitive,
+                                  sag_box3 *box);
 
 // Works out a place from its map; false when the map is singular.
 bool sagi_place_make(const sag_affine *to_scene, sagi_place *place);
@@ -214,6 +230,7 @@ struct sag_scene {
     const sagi_kernel *kernel;
     sagi_geometry *geometries;
     uint32_t count, capacity;
+    sag_solid solid;     // of the next commit, its steps a copy; none when it has none
     sag_error add_error; // the first failed add since the last commit; status SAG_OK: none
     sagi_cell *cell;
     sag_quality quality; // of the next commit's tree

@@ -40,18 +40,27 @@ void sagi_snapshot_release(sagi_snapshot *s) {
         sagi_store_release(s->entries[i].store);
         sagi_store_release(s->entries[i].moved);
         sagi_snapshot_release(s->entries[i].child);
+        sagi_snapshot_release(s->entries[i].alone);
     }
     sagi_groups_release(s);
     sagi_bvh_release(s->context, &s->world.tree);
     sag_release(s->context, s->unbounded, s->unbounded_capacity * sizeof *s->unbounded);
+    if (s->part_boxes != NULL)
+        sag_release(s->context, s->part_boxes, s->solid->part_count * sizeof *s->part_boxes);
+    if (s->solid != NULL) sag_release(s->context, s->solid, sagi_solid_bytes(s->solid));
     sag_release(s->context, s->items, s->count * sizeof *s->items);
     sag_release(s->context, s->entries, s->count * sizeof *s->entries);
     sag_release(s->context, s, sizeof *s);
 }
 
 size_t sagi_snapshot_table_bytes(const sagi_snapshot *s) {
-    return sizeof *s + s->count * (sizeof *s->items + sizeof *s->entries) +
-           s->group_count * sizeof *s->groups + s->member_count * sizeof *s->members;
+    size_t bytes = sizeof *s + s->count * (sizeof *s->items + sizeof *s->entries) +
+                   s->group_count * sizeof *s->groups + s->member_count * sizeof *s->members;
+    if (s->solid == NULL) return bytes;
+    bytes += sagi_solid_bytes(s->solid) + s->solid->part_count * sizeof *s->part_boxes;
+    for (uint32_t i = 0; i < s->count; i++)
+        if (s->entries[i].alone != NULL) bytes += sagi_snapshot_table_bytes(s->entries[i].alone);
+    return bytes;
 }
 
 bool sagi_snapshot_count_shared(sagi_snapshot *s) {

@@ -75,7 +75,9 @@ static void survey(void *argument, size_t index) {
     visitor v = visit(w, index);
     for (run r; next(&v, &r);) {
         const sagi_item *item = &w->snapshot->items[r.geometry];
-        if (item->kind == SAG_SHAPE_MESH)
+        if (w->snapshot->solid != NULL)
+            survey_run(w->snapshot, r, &found);
+        else if (item->kind == SAG_SHAPE_MESH)
             sagi_mesh_survey(item->shape, r.first, r.count, &found);
         else if (item->kind == SAG_SHAPE_SPHERES && item->place == NULL)
             sagi_sphere_survey(item->shape, r.first, r.count, &found);
@@ -116,11 +118,12 @@ static void write_boxes(void *argument, size_t index) {
     visitor v = visit(w, index);
     bool all_good = c->found.good == v.end - v.at;
     for (run r; next(&v, &r);) {
-        if (s->items[r.geometry].kind == SAG_SHAPE_MESH) {
+        if (s->items[r.geometry].kind == SAG_SHAPE_MESH && s->solid == NULL) {
             out = sagi_mesh_boxes(&s->world, r.geometry, r.first, r.count, all_good, out);
             continue;
         }
-        if (s->items[r.geometry].kind == SAG_SHAPE_SPHERES && s->items[r.geometry].place == NULL) {
+        if (s->items[r.geometry].kind == SAG_SHAPE_SPHERES && s->items[r.geometry].place == NULL &&
+            s->solid == NULL) {
             out = sagi_sphere_boxes(&s->world, r.geometry, r.first, r.count, out);
             continue;
         }
@@ -180,12 +183,24 @@ void sagi_snapshot_measure(sagi_snapshot *s) {
     for (uint32_t i = 0; i < s->count; i++)
         if (s->entries[i].present && (s->items[i].place != NULL || s->items[i].child != NULL))
             add_spread(s, s->items[i].place, s->items[i].child);
+    if (s->solid != NULL) {
+        // Crossings within 2⁻⁴⁹ (|o|∞ + t|d|∞) of each other are looked at together, a few of them in a row.
+        s->world.spread_relative += 8;
+        s->world.spread_absolute += 4 * s->radius;
+    }
     describe_units(s);
     s->stats.node_count = s->world.tree.node_count;
     s->stats.leaf_count = s->world.tree.leaf_count;
     s->stats.depth = s->world.tree.depth;
     s->stats.sah = (double)s->world.tree.sah;
     s->stats.structure_bytes = sagi_bvh_bytes(&s->world.tree) + s->unbounded_capacity * sizeof *s->unbounded;
+    for (uint32_t i = 0; i < s->count; i++) {
+        if (s->entries[i].alone == NULL) continue;
+        const sag_scene_stats *alone = &s->entries[i].alone->stats;
+        s->stats.structure_bytes += alone->structure_bytes;
+        s->stats.dropped_not_finite += alone->dropped_not_finite;
+        s->stats.dropped_degenerate += alone->dropped_degenerate;
+    }
 }
 
 static void sum_up(sagi_structure *w) {

@@ -65,17 +65,30 @@ static void surface_here(const sagi_snapshot *s, const sag_ray *ray, const sag_h
     }
 }
 
+// In a solid's space: crossings within 2⁻⁴⁹ (t|dᵢ| + |oᵢ|) of each other are one boundary (solid.h), which a
+// ray spawned there must leave behind as a whole. Along the ray they are at most √3 times as far apart as the
+// largest coordinate says: twice that covers them, whichever way their faces look.
+static void clear_group(const sag_ray *ray, double t, sag_surface *surface) {
+    double reach =
+        sag_max_component(sag_abs(ray->origin)) + fabs(t) * sag_max_component(sag_abs(ray->direction));
+    double error = 0x1p-48 * reach;
+    surface->position_error = sag_add(surface->position_error, sag_vec3_make(error, error, error));
+}
+
 // Whether the hit names something that is there: it may be from before a commit.
 static bool has(const sagi_snapshot *s, const sag_hit *hit) {
     if (hit->geometry >= s->count || s->items[hit->geometry].shape == NULL) return false;
     uint8_t kind = s->items[hit->geometry].kind;
     bool many = kind == SAG_SHAPE_MESH || kind == SAG_SHAPE_SPHERES || kind == SAG_SHAPE_USER;
-    return !many || hit->primitive < sagi_primitive_count(s, hit->geometry);
+    return !many ||
+           hit->primitive < sagi_shape_primitive_count((sag_shape_kind)kind, s->items[hit->geometry].shape);
 }
 
 void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
     const sagi_snapshot *s = sagi_scene_snapshot(scene);
     const sagi_place *places[SAG_MAX_INSTANCE_DEPTH];
+    const sagi_snapshot *levels[SAG_MAX_INSTANCE_DEPTH];
+    sag_ray rays[SAG_MAX_INSTANCE_DEPTH];
     uint32_t depth = hit->instance_depth;
     sag_ray here = *ray;
     *surface = (sag_surface){.geometry = SAG_INVALID_ID};
@@ -83,14 +96,22 @@ void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *h
     for (uint32_t i = 0; i < depth; i++) {
         uint32_t id = hit->instance_path[i];
         if (id >= s->count || s->entries[id].child == NULL) return;
+        levels[i] = s, rays[i] = here;
         places[i] = s->items[id].place;
         if (places[i] != NULL) here = sag_ray_transform(&places[i]->to_object, &here);
         s = s->entries[id].child;
     }
     if (!has(s, hit)) return;
     surface_here(s, &here, hit, surface);
-    for (uint32_t i = depth; i-- > 0;)
+    if (s->solid != NULL) clear_group(&here, hit->t, surface);
+    for (uint32_t i = depth; i-- > 0;) {
         if (places[i] != NULL) sagi_surface_map(places[i], surface);
+        if (levels[i]->solid != NULL) clear_group(&rays[i], hit->t, surface);
+    }
+    if (hit->flipped) {
+        sagi_surface_turn(surface);
+        surface->side = surface->side == SAG_SIDE_FRONT ? SAG_SIDE_BACK : SAG_SIDE_FRONT;
+    }
     surface->geometry = hit->geometry;
     surface->user_data = s->entries[hit->geometry].user_data;
     if (s->entries[hit->geometry].face_forward && surface->side == SAG_SIDE_BACK) sagi_surface_turn(surface);

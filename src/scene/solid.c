@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Scenes that are solids: their description, and what a commit makes of it: the tree (solid/tree.h), a box
+// for each part that says where it matters, and for each mesh a world of its own. (The kernel asks a mesh
+// for its next crossing after the last; the other shapes hand out all of theirs at once.)
+#include "scene/scene.h"
+#include <string.h>
+
+sag_status sag_scene_set_solid(sag_scene *scene, const sag_solid *solid, sag_error *error) {
+    sag_solid next = {NULL, 0};
+    if (solid != NULL) {
+        if (solid->steps == NULL) return sag_error_set(error, SAG_ERROR_ARGUMENT, "a solid without steps");
+        sag_status status = sagi_solid_compile(scene->context, solid, 0, NULL, error);
+        if (status != SAG_OK) return status;
+        size_t bytes = solid->step_count * sizeof *solid->steps;
+        sag_solid_step *steps = sag_allocate(scene->context, bytes);
+        if (steps == NULL) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a solid");
+        memcpy(steps, solid->steps, bytes);
+        next = (sag_solid){steps, solid->step_count};
+    }
+    sag_release(scene->context, (void *)(uintptr_t)scene->solid.steps,
+                scene->solid.step_count * sizeof *scene->solid.steps);
+    scene->solid = next;
+    return SAG_OK;
+}
+
+sag_status sagi_snapshot_set_solid(sagi_snapshot *s, const sag_scene *scene, sag_error *error) {
+    sag_status status = sagi_solid_compile(s->context, &scene->solid, scene->count, &s->solid, error);
+    if (status != SAG_OK) return status;
+    s->world.solid = s->solid;
+    for (uint32_t i = 0; i < scene->count; i++) {
+        bool is_part = sagi_solid_part_of(s->solid)[i] != SAG_INVALID_ID;
+        if (is_part && scene->geometries[i].removed)
+            return sag_error_set(error, SAG_ERROR_ARGUMENT, "geometry %u of the solid is not there",
+                                 (unsigned)i);
+        if (!is_part && !scene->geometries[i].removed)
+            return sag_error_set(error, SAG_ERROR_ARGUMENT, "geometry %u is no part of the solid",
+                                 (unsigned)i);
+    }
+    return SAG_OK;
+}
+
+// A scene of nothing but this mesh, as it stands.
+static sag_status set_alone(sagi_snapshot *s, const sagi_snapshot *before, uint32_t id) {
+    sagi_entry *e = &s->entries[id];
+    sagi_item *item = &s->items[id];
+    if (sagi_geometry_is_as_before(s, before, id) && before->entries[id].alone != NULL &&
+        before->quality == s->quality) {
+        e->alone = sagi_snapshot_retain(before->entries[id].alone);
+    } else {
+        sagi_snapshot *alone = sagi_snapshot_create(s->context, 1);
+        if (alone == NULL) return SAG_ERROR_MEMORY;
+        alone->quality = s->quality;
+        alone->entries[0] = (sagi_entry){
+            .present = true, .store = sagi_store_retain(e->store), .moved = sagi_store_retain(e->moved)};
+        alone->items[0] = *item;
+        alone->items[0].mask = UINT32_MAX;
+        sag_status status = sagi_snapshot_build(alone, NULL);
+        if (status != SAG_OK) {
+            sagi_snapshot_release(alone);
+            return status;
+        }
+        e->alone = alone;
+    }
+    item->child = &e->alone->world;
+    return SAG_OK;
+}
+
+static sag_box3 box_of(const sagi_snapshot *s, uint32_t id) {
+    sag_box3 box;
+    if (!s->entries[id].present) return sag_box3_empty();
+    if (s->entries[id].alone != NULL) return s->entries[id].alone->stats.bounds;
+    switch (sagi_own_box(s, id, 0, &box)) {
+    case SAGI_PRIMITIVE_GOOD: return box;
+    case SAGI_PRIMITIVE_UNBOUNDED:
+        return (sag_box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    case SAGI_PRIMITIVE_NOT_FINITE:
+    case SAGI_PRIMITIVE_DEGENERATE:
+    case SAGI_PRIMITIVE_EMPTY: break;
+    }
+    return sag_box3_empty();
+}
+
+sag_status sagi_snapshot_measure_parts(sagi_snapshot *s, const sagi_snapshot *before, sag_error *error) {
+    const sagi_solid *solid = s->solid;
+    const sagi_solid_part *parts = sagi_solid_parts(solid);
+    size_t bytes = solid->node_count * sizeof(sag_box3);
+    sag_box3 *node_box = sag_allocate(s->context, bytes);
+    s->part_boxes = sag_allocate(s->context, solid->part_count * sizeof *s->part_boxes);
+    sag_status status = node_box != NULL && s->part_boxes != NULL ? SAG_OK : SAG_ERROR_MEMORY;
+    for (uint32_t i = 0; i < solid->part_count && status == SAG_OK; i++) {
+        uint32_t id = parts[i].geometry;
+        if (s->entries[id].present && s->items[id].kind == SAG_SHAPE_MESH) status = set_alone(s, before, id);
+        if (status == SAG_OK) s->part_boxes[i] = box_of(s, id);
+    }
+    if (status == SAG_OK) sagi_solid_clip_boxes(solid, s->part_boxes, node_box);
+    sag_release(s->context, node_box, bytes);
+    return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory for a solid");
+}
