@@ -9,6 +9,7 @@
 #include "kernel/kernel.h"
 #include "kernel/ray.h"
 #include "math/map.h"
+#include "shapes/closed.h"
 #include "shapes/common.h"
 #include "shapes/mesh.h"
 #include "shapes/sphere_solve.h"

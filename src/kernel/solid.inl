@@ -59,6 +59,7 @@ typedef struct solid_walk {
     solid_event resume;  // while events that were given up are found again
     uint32_t last_asked; // the part of a mesh or solid whose crossing last_hit is
     sag_hit last_hit;
+    slabs slabs;
     uint32_t waiting_count, event_count, active_count;
     uint64_t waiting[SOLID_WAITING]; // the nearest last: τ's bits, SOLID_IS_PART, number
     solid_event events[SOLID_EVENTS];
@@ -174,13 +175,11 @@ static inline float begin_of(uint64_t key) {
 }
 
 // The children of a node that the ray meets; returns how many and writes where they begin.
-SAGI_INLINE uint32_t met_children(const sagi_bvh_node *node, const sagi_float_ray *r, float limit,
-                                  float begin[SAGI_BVH_WIDTH], uint32_t child[SAGI_BVH_WIDTH]) {
+SAGI_INLINE uint32_t met_children(const solid_walk *w, uint32_t number, float begin[SAGI_BVH_WIDTH],
+                                  uint32_t child[SAGI_BVH_WIDTH]) {
+    const sagi_bvh_node *node = &w->here->world->tree.nodes[number];
     const char *at = (const char *)node;
-    sagi_f8 from = sagi_f8_max(sagi_f8_max(entry(at, r, 0), entry(at, r, 1)),
-                               sagi_f8_max(entry(at, r, 2), sagi_f8_fill(r->from)));
-    sagi_f8 end = sagi_f8_min(sagi_f8_min(way_out(at, r, 0), way_out(at, r, 1)),
-                              sagi_f8_min(way_out(at, r, 2), sagi_f8_fill(limit)));
+    sagi_f8 from = begins_of(at, &w->slabs), end = ends_of(at, &w->slabs, w->here->limit);
     uint32_t count = 0;
     for (uint32_t mask = sagi_i8_mask(sagi_f8_at_most(from, end)); mask != 0; mask &= mask - 1, count++) {
         uint32_t lane = (uint32_t)__builtin_ctz(mask);
@@ -197,7 +196,7 @@ static inline void expand(solid_walk *w, uint32_t node) {
     const sagi_bvh *tree = &w->here->world->tree;
     float begin[SAGI_BVH_WIDTH];
     uint32_t child[SAGI_BVH_WIDTH];
-    uint32_t count = met_children(&tree->nodes[node], &w->here->tree_ray, w->here->limit, begin, child);
+    uint32_t count = met_children(w, node, begin, child);
     for (uint32_t i = 0; i < count; i++) {
         if ((child[i] & SAGI_BVH_LEAF) == 0) {
             add_waiting(w, waiting_key(begin[i], child[i]));
@@ -221,8 +220,7 @@ static __attribute__((noinline, cold)) void every_part(solid_walk *w,
     while (height > 0) {
         float begin[SAGI_BVH_WIDTH];
         uint32_t child[SAGI_BVH_WIDTH];
-        uint32_t count = met_children(&world->tree.nodes[nodes[--height]], &w->here->tree_ray, w->here->limit,
-                                      begin, child);
+        uint32_t count = met_children(w, nodes[--height], begin, child);
         for (uint32_t i = 0; i < count; i++) {
             if ((child[i] & SAGI_BVH_LEAF) == 0) {
                 nodes[height++] = child[i];
@@ -373,6 +371,7 @@ static inline bool begin_solid(solid_walk *w, level *here) {
         here->limit = here->tree_ray.limit;
         if (here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
     }
+    if (here->in_tree) w->slabs = slabs_of(&here->tree_ray);
     w->here = here, w->solid = world->solid;
     w->nodes = sagi_solid_nodes(w->solid), w->parts = sagi_solid_parts(w->solid);
     w->line = *here->ray;

@@ -82,6 +82,7 @@ static sag_status make(const sag_scene *scene, sagi_snapshot *s, sag_error *erro
     if (status == SAG_OK) status = sagi_snapshot_fill(s, scene, error);
     if (status == SAG_OK && s->solid != NULL)
         status = sagi_snapshot_measure_parts(s, scene->cell->current, error);
+    if (status == SAG_OK && s->solid != NULL) status = sagi_solid_check_parts(s, error);
     if (status != SAG_OK) return status;
     status = sagi_snapshot_build(s, scene->cell->current);
     if (status == SAG_OK && !sagi_snapshot_count_shared(s)) status = SAG_ERROR_MEMORY;

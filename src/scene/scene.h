@@ -111,8 +111,7 @@ bool sagi_geometry_is_as_before(const sagi_snapshot *snapshot, const sagi_snapsh
 
 // Whether the snapshot is one of a solid.
 static inline bool sagi_snapshot_is_solid(const sagi_snapshot *snapshot) {
-    (void)snapshot;
-    return false;
+    return snapshot->solid != NULL;
 }
 // Whether a geometry bounds a volume: what is said of parts in solid.h. For ids below the count.
 // (solid_check.c)

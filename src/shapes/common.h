@@ -44,9 +44,6 @@ void sagi_surface_finish(sag_surface *surface, const sag_ray *ray, const sag_hit
 // The same for a sampled point, seen from its front.
 void sagi_surface_finish_sample(sag_surface *surface, uint32_t primitive);
 
-// Whether a ray from t = −∞ begins in the half-space behind the plane.
-bool sagi_plane_begins_inside(const sag_plane *plane, const sag_ray *ray);
-
 // The next double towards ±∞ (away from x on that side); ±∞ stays. For outward rounding.
 double sagi_next_up(double x);
 double sagi_next_down(double x);

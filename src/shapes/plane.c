@@ -74,16 +74,6 @@ void sag_plane_surface(const sag_plane *plane, const sag_ray *ray, const sag_hit
     sagi_surface_finish(surface, ray, hit);
 }
 
-bool sagi_plane_begins_inside(const sag_plane *plane, const sag_ray *ray) {
-    sag_hit hit;
-    if (!sag_plane_hit(plane, ray, &hit)) return sag_plane_contains(plane, ray->origin);
-    double dot = sag_dot(ray->direction, plane->normal);
-    if (fabs(dot) > 0x1p-50 * sag_dot(sag_abs(ray->direction), sag_abs(plane->normal)) + 0x1p-1000)
-        return dot > 0;
-    sagi_real slope = sagi_dot_real(sagi_dd3_from(ray->direction), sagi_dd3_from(plane->normal));
-    return sagi_real_sign(&slope) > 0;
-}
-
 double sag_plane_area(const sag_plane *plane) {
     return sag_plane_validate(plane, NULL) == SAG_OK ? INFINITY : 0;
 }
