@@ -78,11 +78,13 @@ typedef struct sag_solid {
 /// there. A disabled part is nowhere.
 SAG_API sag_status sag_scene_set_solid(sag_scene *scene, const sag_solid *solid, sag_error *error);
 
-/// An interval of a ray within one body: a closed geometry or a solid.
+/// An interval of a ray within one body: a geometry that is closed (as the parts of a solid have to be), a
+/// sphere of a set, or a solid.
 typedef struct sag_span {
     sag_hit enter; ///< where the ray enters it; when it begins inside, t = t_min and primitive =
-                   ///< SAG_INVALID_ID
-    sag_hit leave; ///< where it leaves it; when it ends inside, t = t_max and primitive = SAG_INVALID_ID
+                   ///< SAG_INVALID_ID, geometry and instance_path are the body's (a solid's has no geometry:
+                   ///< SAG_INVALID_ID)
+    sag_hit leave; ///< where it leaves it; when it ends inside, the same with t = t_max
 } sag_span;
 
 /// The intervals of [t_min, t_max] that the ray spends in the bodies of the scene: for mass, thickness,
@@ -90,7 +92,14 @@ typedef struct sag_span {
 /// intervals that do. Writes the first `capacity` of them to spans[] (which may be NULL when capacity is 0)
 /// and returns how many there are in all. Geometries that are not closed have none. For a body that is a
 /// solid, enter and leave name parts, mostly different ones; that both are of one body shows in the path.
-/// No memory is asked for; thread-safe. (tests/unit/test_spans.c)
+///
+/// Inside is where the number of crossings since t = −∞ is odd, whichever way the normals look, or for a
+/// body that the ray's line comes from inside of (a half-space), even; one-sided triangles count. Crossings
+/// of one body at the same t are one or, when their number is even, none: intervals have a length. Only for
+/// t_min = t_max they do not: then there is one for each body that the point is in, or is just entered there.
+/// No memory is asked for, whatever the number of crossings or bodies: every 192 crossings (of which those
+/// before t_min are some) cost a walk through the scene. Thread-safe. (tests/unit/test_spans.c,
+/// test_spans_solids.c)
 SAG_API size_t sag_scene_spans(const sag_scene *scene, const sag_ray *ray, sag_span *spans, size_t capacity);
 
 #ifdef __cplusplus

@@ -9,7 +9,7 @@
 // at least, so there is an end.
 #include "kernel/kernel.h"
 
-static int compare_paths(const sag_hit *a, const sag_hit *b) {
+int sagi_hit_compare_paths(const sag_hit *a, const sag_hit *b) {
     for (uint32_t i = 0; i < a->instance_depth && i < b->instance_depth; i++)
         if (a->instance_path[i] != b->instance_path[i])
             return a->instance_path[i] < b->instance_path[i] ? -1 : 1;
@@ -18,7 +18,7 @@ static int compare_paths(const sag_hit *a, const sag_hit *b) {
 
 bool sagi_hit_before(const sag_hit *a, const sag_hit *b) {
     if (a->t != b->t) return a->t < b->t;
-    int paths = compare_paths(a, b);
+    int paths = sagi_hit_compare_paths(a, b);
     if (paths != 0) return paths < 0;
     if (a->geometry != b->geometry) return a->geometry < b->geometry;
     return a->primitive < b->primitive;

@@ -8,6 +8,13 @@
 #include "base/cpu.h"
 #include "kernel/world.h"
 
+// Takes the crossings of a ray as they are found: in any order, and one of a mesh perhaps several times, with
+// the same bits.
+typedef struct sagi_visitor {
+    void (*take)(void *user, const sag_hit *hit);
+    void *user;
+} sagi_visitor;
+
 typedef struct sagi_kernel {
     // The verbs of scene.h: sag_intersect, sag_occluded and sag_intersect_all. Rays that are not valid miss.
     // With both_sides what is one-sided is met from behind too, as parity needs it.
@@ -15,6 +22,11 @@ typedef struct sagi_kernel {
     bool (*occluded)(const sagi_world *world, const sag_ray *ray);
     size_t (*crossings)(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
                         size_t capacity);
+    // The same from both sides, for who keeps them in another order.
+    void (*visit)(const sagi_world *world, const sag_ray *ray, const sagi_visitor *visitor);
+    // Whether the ray, of a solid's world, is in the solid just before its first crossing in range, or where
+    // there is none, for the whole of its range. *crossed: whether there is one.
+    bool (*begins_inside)(const sagi_world *solid, const sag_ray *ray, bool *crossed);
     // The first two for many rays on the calling thread: the same bits. A hit that is none has t = INFINITY
     // and geometry = SAG_INVALID_ID.
     void (*intersect_batch)(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count);
@@ -29,6 +41,8 @@ const sagi_kernel *sagi_kernel_pick(sagi_isa isa);
 
 // The order of hits: by t, instance path, geometry, primitive. A path comes before those it begins.
 bool sagi_hit_before(const sag_hit *a, const sag_hit *b);
+// The order of the paths alone: negative, 0 or positive.
+int sagi_hit_compare_paths(const sag_hit *a, const sag_hit *b);
 
 // The first `capacity` hits, in order, of any number that come in any order, in the caller's array: a heap
 // with the last of them on top.

@@ -28,11 +28,12 @@ typedef enum question { CLOSEST, ANY, ALL } question;
 
 // What is asked, and the answer so far.
 typedef struct search {
-    sag_hit *best;            // CLOSEST
-    bool found;               // CLOSEST, ANY
-    sagi_collector collector; // ALL
-    sagi_repeats repeats;     // ALL: what of it may come again
-    bool both_sides;          // see sagi_kernel
+    sag_hit *best;               // CLOSEST
+    bool found;                  // CLOSEST, ANY
+    sagi_collector collector;    // ALL
+    sagi_repeats repeats;        // ALL: what of it may come again
+    const sagi_visitor *visitor; // ALL: takes everything in place of these two, when there is one
+    bool both_sides;             // see sagi_kernel
     uint32_t path_length;
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
 } search;
@@ -77,7 +78,9 @@ static inline bool sees(const level *here, const sagi_item *item) { return (here
 
 // Only triangles of meshes are in several leaves (scene/clip.c).
 static inline void collect(search *s, const sagi_world *world, const sag_hit *hit) {
-    if (world->tree.repeats && world->items[hit->geometry].kind == SAG_SHAPE_MESH)
+    if (s->visitor != NULL)
+        s->visitor->take(s->visitor->user, hit);
+    else if (world->tree.repeats && world->items[hit->geometry].kind == SAG_SHAPE_MESH)
         sagi_repeats_add(&s->repeats, hit);
     else if (!s->repeats.again)
         sagi_collector_add(&s->collector, hit);
@@ -305,6 +308,27 @@ static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_s
     return s.collector.count;
 }
 
+static void visit(const sagi_world *world, const sag_ray *ray, const sagi_visitor *visitor) {
+    search s = {.both_sides = true, .visitor = visitor};
+    level here;
+    enter(&here, world, ray, &s);
+    if (world->solid != NULL)
+        search_solid(ALL, &here);
+    else
+        walk(ALL, &here);
+}
+
+static bool begins_inside(const sagi_world *solid, const sag_ray *ray, bool *crossed) {
+    search s = {.both_sides = true};
+    level here;
+    bool inside;
+    enter(&here, solid, ray, &s);
+    run_solid(ANY, &here, &inside);
+    *crossed = s.found;
+    return inside;
+}
+
 #include "kernel/batch.inl"
 
-const sagi_kernel SAGI_KERNEL_NAME = {intersect, occluded, crossings, intersect_batch, occluded_batch};
+const sagi_kernel SAGI_KERNEL_NAME = {intersect,     occluded,        crossings,     visit,
+                                      begins_inside, intersect_batch, occluded_batch};

@@ -335,7 +335,10 @@ static __attribute__((noinline)) const solid_event *choose(solid_walk *w, const 
 static inline void take_hit(question asked, level *here, const sag_hit *hit) {
     search *s = here->search;
     if (asked == ALL) {
-        sagi_collector_add(&s->collector, hit);
+        if (s->visitor != NULL)
+            s->visitor->take(s->visitor->user, hit);
+        else
+            sagi_collector_add(&s->collector, hit);
     } else if (!s->found || sagi_hit_before(hit, s->best)) {
         *s->best = *hit, s->found = true;
         lower_t_max(here, hit->t);
