@@ -7,6 +7,7 @@
 #include "formats/ray_table.h"
 #include "tool.h"
 
+#include <sagitta/solid.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -22,7 +23,7 @@ static const char help[] =
     "                       Without tmin and tmax a ray reaches from 0 to inf. Directions have any length "
     "but 0\n"
     "  -o, --output HITS    .npy (a structured array), else CSV; -, the default: CSV on the standard output\n"
-    "      --query Q        closest (default), any, all or count: see below\n"
+    "      --query Q        closest (default), any, all, count or spans: see below\n"
     "      --threads N      as many threads; 0, the default: one a core. The hits do not depend on it\n"
     "  -q, --quiet          no progress, no warnings; errors only\n"
     "  -h, --help           this text\n\n"
@@ -32,29 +33,39 @@ static const char help[] =
     "  all      the same, a row for every crossing, in order of t; a ray without any has one row, with hit "
     "0\n"
     "  any      ray,hit      whether there is any hit in [tmin, tmax]; the quickest\n"
-    "  count    ray,count    how many crossings there are\n\n"
+    "  count    ray,count    how many crossings there are\n"
+    "  spans    ray,hit,t_enter,t_leave,length,geometry_enter,primitive_enter,geometry_leave,"
+    "primitive_leave,instance\n"
+    "           a row for every interval of [tmin, tmax] within a closed geometry or solid, in order of "
+    "t_enter; a ray\n"
+    "           without any has one row, with hit 0 and length 0\n\n"
     "  ray        the ray's number, from 0\n"
     "  hit        1 or 0. A miss has t inf, the other numbers nan, the ids -1\n"
     "  t          in lengths of the direction: the point is o + t d\n"
     "  x,y,z      the point; nx,ny,nz the surface's unit normal there (geometric; not turned to the ray)\n"
     "  u,v        texture coordinates\n"
     "  geometry   number of the geometry in its scene, primitive: of the triangle (or part) in the geometry\n"
-    "  instance   number of the outermost instance passed through; -1 outside of instances\n\n"
+    "  instance   number of the outermost instance passed through; -1 outside of instances\n"
+    "  length     of the interval, in the scene's unit; where it begins or ends with the ray itself, the "
+    "primitive\n"
+    "             there is -1\n\n"
     "CSV has 17 significant digits, so that the very doubles come back. HITS appears whole or not at all.\n";
 
-enum { QUERY_CLOSEST, QUERY_ANY, QUERY_ALL, QUERY_COUNT };
+enum { QUERY_CLOSEST, QUERY_ANY, QUERY_ALL, QUERY_COUNT, QUERY_SPANS };
 
 #define MAX_ROUND     65536u             // rays traced at once
 #define MAX_PIECES    128u               // of a round, encoded side by side
-#define BIG_ROUND     ((size_t)64 << 20) // bytes of rows; `all` takes fewer rays at once beyond
+#define BIG_ROUND     ((size_t)64 << 20) // bytes of rows; `all` and `spans` take fewer rays at once beyond
 #define KEPT_CAPACITY ((size_t)4 << 20)  // a piece's larger buffers are given back
 
-// The rows of some consecutive rays, and room for one ray's crossings.
+// The rows of some consecutive rays, and room for one ray's crossings or spans.
 typedef struct piece {
     char *bytes;
     size_t size, capacity;
     sag_hit *hits;
     size_t hit_capacity;
+    sag_span *spans;
+    size_t span_capacity;
     uint64_t row_count, hit_count;
     bool out_of_memory;
 } piece;
@@ -98,6 +109,21 @@ static bool reserve_hits(const cast *c, piece *p, size_t count) {
     return p->hits != NULL;
 }
 
+static bool reserve_spans(const cast *c, piece *p, size_t count) {
+    if (count <= p->span_capacity) return true;
+    sag_release(c->context, p->spans, p->span_capacity * sizeof *p->spans);
+    p->span_capacity = 0;
+    p->spans = sag_allocate(c->context, count * sizeof *p->spans);
+    if (p->spans) p->span_capacity = count;
+    return p->spans != NULL;
+}
+
+static int64_t id_of(uint32_t id) { return id != SAG_INVALID_ID ? (int64_t)id : -1; }
+
+static int64_t instance_of(const sag_hit *hit) {
+    return hit->instance_depth > 0 ? (int64_t)hit->instance_path[0] : -1;
+}
+
 static sagi_hit_row row_of_hit(const cast *c, uint64_t number, const sag_ray *ray, const sag_hit *hit) {
     sag_surface s;
     sag_surface_at(c->scene, ray, hit, &s);
@@ -110,7 +136,20 @@ static sagi_hit_row row_of_hit(const cast *c, uint64_t number, const sag_ray *ra
                           .v = s.v,
                           .geometry = hit->geometry,
                           .primitive = hit->primitive,
-                          .instance = hit->instance_depth > 0 ? (int64_t)hit->instance_path[0] : -1};
+                          .instance = instance_of(hit)};
+}
+
+static sagi_hit_row row_of_span(uint64_t number, const sag_ray *ray, const sag_span *span) {
+    return (sagi_hit_row){.ray = number,
+                          .hit = true,
+                          .t = span->enter.t,
+                          .geometry = id_of(span->enter.geometry),
+                          .primitive = id_of(span->enter.primitive),
+                          .instance = instance_of(&span->enter),
+                          .t_leave = span->leave.t,
+                          .length = (span->leave.t - span->enter.t) * sag_length(ray->direction),
+                          .geometry_leave = id_of(span->leave.geometry),
+                          .primitive_leave = id_of(span->leave.primitive)};
 }
 
 // Room for the row is the caller's care.
@@ -138,6 +177,25 @@ static bool add_crossings(const cast *c, piece *p, uint64_t number, const sag_ra
     return true;
 }
 
+static bool add_spans(const cast *c, piece *p, uint64_t number, const sag_ray *ray) {
+    size_t count = sag_scene_spans(c->scene, ray, p->spans, p->span_capacity);
+    if (count > p->span_capacity) {
+        if (!reserve_spans(c, p, count)) return false;
+        count = sag_scene_spans(c->scene, ray, p->spans, p->span_capacity);
+    }
+    if (!reserve_bytes(c, p, (count + 1) * SAGI_HIT_ROW_BYTES)) return false;
+    for (size_t i = 0; i < count; i++) {
+        const sagi_hit_row row = row_of_span(number, ray, &p->spans[i]);
+        add_row(c, p, &row);
+    }
+    p->hit_count += count;
+    if (count == 0) {
+        const sagi_hit_row none = sagi_hit_no_span(number);
+        add_row(c, p, &none);
+    }
+    return true;
+}
+
 static void encode_piece(void *argument, size_t index) {
     cast *c = argument;
     piece *p = &c->pieces[index];
@@ -156,12 +214,16 @@ static void encode_piece(void *argument, size_t index) {
             break;
         case QUERY_ANY: row.hit = c->occluded[i]; break;
         case QUERY_COUNT: row.count = sag_count_crossings(c->scene, &c->rays[i]); break;
+        case QUERY_SPANS: p->out_of_memory = !add_spans(c, p, number, &c->rays[i]); continue;
         default: p->out_of_memory = !add_crossings(c, p, number, &c->rays[i]); continue;
         }
         p->hit_count += c->query == QUERY_COUNT ? row.count : row.hit;
         add_row(c, p, &row);
     }
 }
+
+// Whether a ray may have any number of rows.
+static bool has_many_rows(int query) { return query == QUERY_ALL || query == QUERY_SPANS; }
 
 // Traces the round and writes its rows.
 static sag_status cast_round(cast *c, sag_error *error) {
@@ -184,8 +246,8 @@ static sag_status cast_round(cast *c, sag_error *error) {
             p->capacity = 0;
         }
     }
-    if (c->query == QUERY_ALL && written > BIG_ROUND && c->round_size > 1) c->round_size /= 2;
-    if (c->query == QUERY_ALL && written < BIG_ROUND / 4 && c->round_size < MAX_ROUND) c->round_size *= 2;
+    if (has_many_rows(c->query) && written > BIG_ROUND && c->round_size > 1) c->round_size /= 2;
+    if (has_many_rows(c->query) && written < BIG_ROUND / 4 && c->round_size < MAX_ROUND) c->round_size *= 2;
     return interrupt_flag ? sag_error_set(error, SAG_ERROR_CANCELLED, "interrupted") : SAG_OK;
 }
 
@@ -212,6 +274,7 @@ static void release_buffers(cast *c) {
     for (size_t i = 0; i < MAX_PIECES; i++) {
         sag_release(c->context, c->pieces[i].bytes, c->pieces[i].capacity);
         sag_release(c->context, c->pieces[i].hits, c->pieces[i].hit_capacity * sizeof *c->pieces[i].hits);
+        sag_release(c->context, c->pieces[i].spans, c->pieces[i].span_capacity * sizeof *c->pieces[i].spans);
     }
     sag_release(c->context, c->hits, MAX_ROUND * sizeof *c->hits);
     sag_release(c->context, c->occluded, MAX_ROUND * sizeof *c->occluded);
@@ -233,18 +296,19 @@ typedef struct cast_options {
 
 static void say_what_was_done(const cast *c, double seconds, const char *output) {
     char rays[TEXT_BYTES], hits[TEXT_BYTES], time[TEXT_BYTES], rate[TEXT_BYTES];
-    static const char *const names[] = {"hit", "hit", "crossings", "crossings"};
+    static const char *const names[] = {"hit", "hit", "crossings", "crossings", "spans"};
     fprintf(stderr, "%s: %s ray%s, %s %s, in %s (%s)\n", output, text_count(rays, c->first_ray),
             c->first_ray == 1 ? "" : "s", text_count(hits, c->hit_count), names[c->query],
             text_seconds(time, seconds), text_rate(rate, (double)c->first_ray, seconds, "rays"));
 }
 
 static sag_status cast_rays(const cast_options *o, sag_world *world, sag_error *error) {
-    static const sagi_hit_columns columns[] = {SAGI_HIT_FULL, SAGI_HIT_FLAG, SAGI_HIT_FULL, SAGI_HIT_COUNT};
+    static const sagi_hit_columns columns[] = {SAGI_HIT_FULL, SAGI_HIT_FLAG, SAGI_HIT_FULL, SAGI_HIT_COUNT,
+                                               SAGI_HIT_SPAN};
     cast c = {.context = sag_world_context(world),
               .scene = sag_world_scene(world),
               .query = o->query,
-              .round_size = o->query == QUERY_ALL ? 256 : MAX_ROUND};
+              .round_size = has_many_rows(o->query) ? 256 : MAX_ROUND};
     sagi_ray_reader *reader = NULL;
     sag_status status = sagi_ray_reader_open(c.context, o->rays, &reader, error);
     if (status != SAG_OK) return status;
@@ -292,7 +356,7 @@ static int cast_file(const cast_options *o) {
 }
 
 static int run(const tool_command *command, int argc, char **argv) {
-    static const char *const queries[] = {"closest", "any", "all", "count", NULL};
+    static const char *const queries[] = {"closest", "any", "all", "count", "spans", NULL};
     cast_options o = {.output = "-"};
     const option options[] = {
         {.name = "rays", .letter = 'r', .kind = OPTION_TEXT, .target = &o.rays},

@@ -10,14 +10,17 @@
 #include <errno.h>
 #include <string.h>
 
-#define FULL_NUMBERS 9 // t x y z nx ny nz u v
-#define FULL_IDS     3 // geometry primitive instance
+#define MAX_NUMBERS 9 // t x y z nx ny nz u v
+#define MAX_IDS     5 // geometry and primitive twice, instance
 
 static const char *csv_header(sagi_hit_columns columns) {
     switch (columns) {
     case SAGI_HIT_FULL: return "ray,hit,t,x,y,z,nx,ny,nz,u,v,geometry,primitive,instance\n";
     case SAGI_HIT_FLAG: return "ray,hit\n";
     case SAGI_HIT_COUNT: return "ray,count\n";
+    case SAGI_HIT_SPAN:
+        return "ray,hit,t_enter,t_leave,length,geometry_enter,primitive_enter,geometry_leave,primitive_leave,"
+               "instance\n";
     }
     return "";
 }
@@ -31,6 +34,10 @@ static const char *npy_type(sagi_hit_columns columns) {
                "('geometry', '#i8'), ('primitive', '#i8'), ('instance', '#i8')]";
     case SAGI_HIT_FLAG: return "[('ray', '#i8'), ('hit', '|b1')]";
     case SAGI_HIT_COUNT: return "[('ray', '#i8'), ('count', '#i8')]";
+    case SAGI_HIT_SPAN:
+        return "[('ray', '#i8'), ('hit', '|b1'), ('t_enter', '#f8'), ('t_leave', '#f8'), ('length', '#f8'), "
+               "('geometry_enter', '#i8'), ('primitive_enter', '#i8'), ('geometry_leave', '#i8'), "
+               "('primitive_leave', '#i8'), ('instance', '#i8')]";
     }
     return "";
 }
@@ -46,6 +53,13 @@ sagi_hit_row sagi_hit_miss(uint64_t ray) {
                           .geometry = -1,
                           .primitive = -1,
                           .instance = -1};
+}
+
+sagi_hit_row sagi_hit_no_span(uint64_t ray) {
+    sagi_hit_row row = sagi_hit_miss(ray);
+    row.t = row.t_leave = NAN;
+    row.geometry_leave = row.primitive_leave = -1;
+    return row;
 }
 
 static sag_status write_failed(const sagi_hit_table *table, sag_error *error) {
@@ -93,7 +107,35 @@ sag_status sagi_hit_table_open(sagi_hit_table *table, const char *path, sagi_hit
     return status;
 }
 
+// What follows the ray's number and the hit.
+typedef struct values {
+    int number_count, id_count;
+    double numbers[MAX_NUMBERS];
+    int64_t ids[MAX_IDS];
+} values;
+
+static values values_of(sagi_hit_columns columns, const sagi_hit_row *row) {
+    switch (columns) {
+    case SAGI_HIT_FULL:
+        return (values){9,
+                        3,
+                        {row->t, row->position.x, row->position.y, row->position.z, row->normal.x,
+                         row->normal.y, row->normal.z, row->u, row->v},
+                        {row->geometry, row->primitive, row->instance}};
+    case SAGI_HIT_SPAN:
+        return (values){
+            3,
+            5,
+            {row->t, row->t_leave, row->length},
+            {row->geometry, row->primitive, row->geometry_leave, row->primitive_leave, row->instance}};
+    case SAGI_HIT_FLAG:
+    case SAGI_HIT_COUNT: break;
+    }
+    return (values){0};
+}
+
 static size_t encode_csv(sagi_hit_columns columns, const sagi_hit_row *row, char *text) {
+    const values v = values_of(columns, row);
     char *p = text;
     p += sagi_format_integer((long long)row->ray, p);
     *p++ = ',';
@@ -102,41 +144,31 @@ static size_t encode_csv(sagi_hit_columns columns, const sagi_hit_row *row, char
     } else {
         *p++ = row->hit ? '1' : '0';
     }
-    if (columns == SAGI_HIT_FULL) {
-        const double numbers[FULL_NUMBERS] = {row->t,          row->position.x, row->position.y,
-                                              row->position.z, row->normal.x,   row->normal.y,
-                                              row->normal.z,   row->u,          row->v};
-        const int64_t ids[FULL_IDS] = {row->geometry, row->primitive, row->instance};
-        for (int i = 0; i < FULL_NUMBERS; i++) {
-            *p++ = ',';
-            p += sagi_format_number(numbers[i], p);
-        }
-        for (int i = 0; i < FULL_IDS; i++) {
-            *p++ = ',';
-            p += sagi_format_integer(ids[i], p);
-        }
+    for (int i = 0; i < v.number_count; i++) {
+        *p++ = ',';
+        p += sagi_format_number(v.numbers[i], p);
+    }
+    for (int i = 0; i < v.id_count; i++) {
+        *p++ = ',';
+        p += sagi_format_integer(v.ids[i], p);
     }
     *p++ = '\n';
     return (size_t)(p - text);
 }
 
 static size_t encode_npy(sagi_hit_columns columns, const sagi_hit_row *row, char *bytes) {
-    char *p = bytes;
+    const values v = values_of(columns, row);
+    const size_t number_bytes = (size_t)v.number_count * 8, id_bytes = (size_t)v.id_count * 8;
     const int64_t ray = (int64_t)row->ray, count = (int64_t)row->count;
+    char *p = bytes;
     memcpy(p, &ray, 8), p += 8;
     if (columns == SAGI_HIT_COUNT) {
         memcpy(p, &count, 8), p += 8;
     } else {
         *p++ = row->hit;
     }
-    if (columns == SAGI_HIT_FULL) {
-        const double numbers[FULL_NUMBERS] = {row->t,          row->position.x, row->position.y,
-                                              row->position.z, row->normal.x,   row->normal.y,
-                                              row->normal.z,   row->u,          row->v};
-        const int64_t ids[FULL_IDS] = {row->geometry, row->primitive, row->instance};
-        memcpy(p, numbers, sizeof numbers), p += sizeof numbers;
-        memcpy(p, ids, sizeof ids), p += sizeof ids;
-    }
+    memcpy(p, v.numbers, number_bytes), p += number_bytes;
+    memcpy(p, v.ids, id_bytes), p += id_bytes;
     return (size_t)(p - bytes);
 }
 

@@ -15,9 +15,12 @@ typedef enum sagi_hit_columns {
     SAGI_HIT_FULL,  // ray,hit,t,x,y,z,nx,ny,nz,u,v,geometry,primitive,instance
     SAGI_HIT_FLAG,  // ray,hit
     SAGI_HIT_COUNT, // ray,count
+    SAGI_HIT_SPAN,  // ray,hit,t_enter,t_leave,length,geometry_enter,primitive_enter,geometry_leave,
+                    // primitive_leave,instance
 } sagi_hit_columns;
 
-// One row. A miss has hit false, t infinite, NaN for the other numbers and -1 for the ids.
+// One row. A miss has hit false, t infinite, NaN for the other numbers and -1 for the ids. Of a span t,
+// geometry and primitive are where it begins.
 typedef struct sagi_hit_row {
     uint64_t ray; // number of the ray, from 0
     bool hit;
@@ -26,6 +29,9 @@ typedef struct sagi_hit_row {
     sag_vec3 position, normal;
     double u, v;
     int64_t geometry, primitive, instance; // -1: none
+    // SAGI_HIT_SPAN only. Of a miss NaN, but length 0, so that lengths can be added up.
+    double t_leave, length;
+    int64_t geometry_leave, primitive_leave;
 } sagi_hit_row;
 
 // No row is longer.
@@ -40,8 +46,9 @@ typedef struct sagi_hit_table {
     uint64_t row_count;
 } sagi_hit_table;
 
-// The row of a ray that hits nothing.
+// The row of a ray that hits nothing, and of one that is in nothing.
 sagi_hit_row sagi_hit_miss(uint64_t ray);
+sagi_hit_row sagi_hit_no_span(uint64_t ray);
 
 // Opens a table and writes its header: .npy by the ending of `path`, else CSV; "-" is the standard output
 // (CSV). `path` must outlive the table. SAG_ERROR_IO; SAG_ERROR_ARGUMENT for a .npy that is no plain file

@@ -26,7 +26,11 @@ static sagi_hit_row example(void) {
                           .v = 1e22,
                           .geometry = 4,
                           .primitive = 4294967294,
-                          .instance = -1};
+                          .instance = -1,
+                          .t_leave = 0.5,
+                          .length = 0.75,
+                          .geometry_leave = -1,
+                          .primitive_leave = 6};
 }
 
 static size_t read_file(const char *path, char *bytes, size_t capacity) {
@@ -41,7 +45,7 @@ static void write_table(const char *path, sagi_hit_columns columns) {
     sagi_hit_table table;
     sag_error error = {0};
     assert_int_equal(sagi_hit_table_open(&table, path, columns, &error), SAG_OK);
-    sagi_hit_row rows[2] = {example(), sagi_hit_miss(7)};
+    sagi_hit_row rows[2] = {example(), columns == SAGI_HIT_SPAN ? sagi_hit_no_span(7) : sagi_hit_miss(7)};
     for (int i = 0; i < 2; i++) {
         char bytes[SAGI_HIT_ROW_BYTES];
         size_t size = sagi_hit_encode(&table, &rows[i], bytes);
@@ -59,8 +63,12 @@ static void csv_rows(void **state) {
         "ray,hit,t,x,y,z,nx,ny,nz,u,v,geometry,primitive,instance\n"
         "12345678901,1,0.10000000000000001,1,-2.5,1e-300,0,-0,1,0.25,1e+22,4,4294967294,-1\n"
         "7,0,inf,nan,nan,nan,nan,nan,nan,nan,nan,-1,-1,-1\n",
-        "ray,hit\n12345678901,1\n7,0\n", "ray,count\n12345678901,3\n7,0\n"};
-    for (int columns = SAGI_HIT_FULL; columns <= SAGI_HIT_COUNT; columns++) {
+        "ray,hit\n12345678901,1\n7,0\n", "ray,count\n12345678901,3\n7,0\n",
+        "ray,hit,t_enter,t_leave,length,geometry_enter,primitive_enter,geometry_leave,primitive_leave,"
+        "instance\n"
+        "12345678901,1,0.10000000000000001,0.5,0.75,4,4294967294,-1,6,-1\n"
+        "7,0,nan,nan,0,-1,-1,-1,-1,-1\n"};
+    for (int columns = SAGI_HIT_FULL; columns <= SAGI_HIT_SPAN; columns++) {
         char text[1024];
         write_table(csv_path, (sagi_hit_columns)columns);
         text[read_file(csv_path, text, sizeof text - 1)] = 0;
@@ -71,8 +79,8 @@ static void csv_rows(void **state) {
 
 static void npy_rows(void **state) {
     (void)state;
-    static const size_t row_bytes[] = {8 + 1 + 9 * 8 + 3 * 8, 9, 16};
-    for (int columns = SAGI_HIT_FULL; columns <= SAGI_HIT_COUNT; columns++) {
+    static const size_t row_bytes[] = {8 + 1 + 9 * 8 + 3 * 8, 9, 16, 8 + 1 + 3 * 8 + 5 * 8};
+    for (int columns = SAGI_HIT_FULL; columns <= SAGI_HIT_SPAN; columns++) {
         char bytes[1024];
         write_table(npy_path, (sagi_hit_columns)columns);
         size_t size = read_file(npy_path, bytes, sizeof bytes);
@@ -85,7 +93,7 @@ static void npy_rows(void **state) {
         int64_t ray;
         memcpy(&ray, bytes + SAGI_NPY_WRITTEN_HEADER, 8);
         assert_true(ray == 12345678901);
-        if (columns == SAGI_HIT_FULL) {
+        if (columns == SAGI_HIT_FULL || columns == SAGI_HIT_SPAN) {
             double t;
             int64_t instance;
             memcpy(&t, bytes + SAGI_NPY_WRITTEN_HEADER + 9, 8);

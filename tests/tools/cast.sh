@@ -34,11 +34,24 @@ expect 0 cast cube.obj --rays rays.csv --query=all
 cut -d, -f1-3 out | tr '\n' ' ' >few
 [ "$(cat few)" = "ray,hit,t 0,1,4 0,1,6 1,0,inf 2,1,0.5 " ] || { fail "all"; cat few; }
 
+expect 0 cast cube.obj --rays rays.csv --query spans
+cat >wanted <<'END'
+ray,hit,t_enter,t_leave,length,geometry_enter,primitive_enter,geometry_leave,primitive_leave,instance
+0,1,4,6,2,0,P,0,P,-1
+1,0,nan,nan,0,-1,-1,-1,-1,-1
+2,1,0,0.5,1,0,-1,0,P,-1
+END
+sed 's/\(0,\)[0-9][0-9]*,0,/\1P,0,/; s/,0,[0-9][0-9]*,-1$/,0,P,-1/' out | cmp -s - wanted || { fail "spans"; cat out; }
+has err '3 rays, 2 spans'
+
 # A range of t.
 printf '0,0.5,-5,0,0,1,4.5,100\n0,0.5,-5,0,0,1,0,3\n0,0.5,-5,0,0,1,4,inf\n' >range.csv
 expect 0 cast cube.obj --rays range.csv -q
 [ "$(cut -d, -f1-3 out | tr '\n' ' ')" = "ray,hit,t 0,1,6 1,0,inf 2,1,4 " ] || { fail "range"; cat out; }
 [ -s err ] && fail "--quiet was not"
+
+expect 0 cast cube.obj --rays range.csv -q --query spans
+[ "$(cut -d, -f1-5 out | tail -n +2 | tr '\n' ' ')" = "0,1,4.5,6,1.5 1,0,nan,nan,0 2,1,4,6,2 " ] || { fail "range of spans"; cat out; }
 
 # Standard input; lines that end in \r\n; into a file.
 "$sagitta" cast cube.obj --rays - -o hits.csv <rays.csv 2>err || fail "rays from the standard input"
@@ -93,6 +106,12 @@ expect 0 cast cube.obj --rays many.csv --query all -o all4.csv --threads 4
 cmp -s all1.csv all4.csv || fail "all: one thread and four differ"
 expect 0 cast cube.obj --rays many.csv --query count -o count.csv
 awk -F, 'NR > 1 && $2 != 0 && $2 != 2 { exit 1 }' count.csv || fail "a closed cube is crossed 0 or 2 times from outside"
+# Where a ray is in the cube and how far: the two crossings of `all`.
+expect 0 cast cube.obj --rays many.csv --query spans -o spans1.csv --threads 1
+expect 0 cast cube.obj --rays many.csv --query spans -o spans4.csv --threads 4
+cmp -s spans1.csv spans4.csv || fail "spans: one thread and four differ"
+awk -F, 'FNR > 1 && $2 == 1 { if (FNR == NR) t[$1] = t[$1] " " $3; else if (t[$1] != " " $3 " " $4) exit 1; else n++ }
+    END { if (n < 1000) exit 1 }' all1.csv spans1.csv || fail "spans are not between the crossings of all"
 # The nearest crossing is the first of all.
 awk -F, '!seen[$1]++' all1.csv | cmp -s - one.csv || fail "closest is not the first of all"
 
@@ -100,6 +119,7 @@ awk -F, '!seen[$1]++' all1.csv | cmp -s - one.csv || fail "closest is not the fi
 expect 0 cast cube.obj --rays many.csv -o one.npy --threads 1
 expect 0 cast cube.obj --rays many.csv -o four.npy --threads 4
 cmp -s one.npy four.npy || fail ".npy: one thread and four differ"
+expect 0 cast cube.obj --rays many.csv --query spans -o spans.npy
 [ "$(wc -c <one.npy)" -eq $((512 + 100000 * 105)) ] || fail "the size of hits.npy"
 python=
 for p in python3 /usr/bin/python3; do
@@ -114,6 +134,10 @@ assert list(table.dtype.names) == names and table.shape == (100000,)
 csv = numpy.loadtxt('one.csv', delimiter=',', skiprows=1)
 for i, name in enumerate(names):
     assert numpy.array_equal(table[name].astype(float), csv[:, i], equal_nan=True), name
+spans, csv = numpy.load('spans.npy'), numpy.loadtxt('spans1.csv', delimiter=',', skiprows=1)
+assert spans.shape == (len(csv),) and len(spans.dtype.names) == csv.shape[1]
+for i, name in enumerate(spans.dtype.names):
+    assert numpy.array_equal(spans[name].astype(float), csv[:, i], equal_nan=True), name
 rays = numpy.loadtxt('many.csv', delimiter=',')
 numpy.save('many.npy', rays)
 numpy.save('fortran.npy', numpy.asfortranarray(rays))
