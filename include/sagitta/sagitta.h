@@ -7,6 +7,7 @@
 
 #include <sagitta/base.h>
 #include <sagitta/math.h>
+#include <sagitta/measure.h>
 #include <sagitta/scene.h>
 #include <sagitta/shapes.h>
 #include <sagitta/solid.h>
