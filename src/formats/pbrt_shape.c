@@ -91,6 +91,30 @@ static sag_status add_checked(sagi_pbrt *p, sag_shape_kind kind, const void *sha
 
 // ---- pbrt's shapes
 
+// Where a sphere has been moved, or scaled by the same positive number in all directions, the sphere that
+// stands there says the same without a transform: spheres without one are traced eight at a time.
+static bool stands_upright(const sag_affine *m) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (m->m[i][j] != (i == j ? m->m[0][0] : 0)) return false;
+    return m->m[0][0] > 0;
+}
+
+static sag_status placed_sphere(sagi_pbrt *p, sag_sphere s) {
+    const sag_affine *m = &p->state.ctm, unmoved = sag_affine_identity();
+    const double scale = m->m[0][0];
+    sag_error reason = {0};
+    sag_status check = p->params.status == SAG_OK ? sag_sphere_validate(&s, &reason) : SAG_OK;
+    if (check == SAG_OK && stands_upright(m)) {
+        sag_sphere there = s;
+        there.center = sag_affine_point(m, s.center);
+        there.radius *= scale, there.z_min *= scale, there.z_max *= scale;
+        if (sag_sphere_validate(&there, NULL) == SAG_OK)
+            return sagi_pbrt_add(p, SAG_SHAPE_SPHERE, &there, sag_sphere_area(&there), &unmoved);
+    }
+    return add_checked(p, SAG_SHAPE_SPHERE, &s, check, &reason, check == SAG_OK ? sag_sphere_area(&s) : 0);
+}
+
 static sag_status sphere(sagi_pbrt *p) {
     const double radius = number(p, "radius", 1);
     const double z0 = number(p, "zmin", -radius), z1 = number(p, "zmax", radius);
@@ -100,7 +124,7 @@ static sag_status sphere(sagi_pbrt *p) {
     if (low > -radius || high < radius) s.z_min = low, s.z_max = high;
     if (s.z_min == 0 && s.z_max == 0 && (low > -radius || high < radius))
         return sagi_params_fail(&p->params, NULL, "nothing is left between zmin and zmax");
-    ADD(SPHERE, sphere, s);
+    return placed_sphere(p, s);
 }
 
 static sag_status disk(sagi_pbrt *p) {

@@ -10,13 +10,17 @@
 //
 // Spheres of a set without a transform stand the same way, in 64 bytes up to four of them and in 128 bytes up
 // to eight: centres and radii on a grid on which all of the block's spheres lie between 0 and 65535, each
-// number at most SAGI_GRID_ERROR off.
+// number at most SAGI_GRID_ERROR off. And so do whole spheres that are geometries of their own, without a
+// transform: to the tree all of them are one geometry, SAGI_LONE_SPHERES, in which a primitive's number is
+// the true geometry's.
 //
 // Everything else is a list of references.
 #ifndef SAGI_KERNEL_BLOCK_H
 #define SAGI_KERNEL_BLOCK_H
 
 #include "bvh/bvh.h"
+
+#define SAGI_LONE_SPHERES (SAGI_BVH_MIXED - 1)
 
 typedef enum sagi_block_kind {
     SAGI_BLOCK_TRIANGLES,
@@ -85,6 +89,8 @@ static inline const sagi_block *sagi_leaf(const sagi_bvh *tree, uint32_t child) 
 static inline sagi_bvh_reference sagi_block_reference(const sagi_block *block, uint32_t i) {
     if (block->kind == SAGI_BLOCK_REFERENCES)
         return ((const sagi_reference_block *)(const void *)block)->reference[i];
+    if (block->kind == SAGI_BLOCK_SPHERES && block->geometry == SAGI_LONE_SPHERES)
+        return (sagi_bvh_reference){sagi_sphere_primitives(block)[i], 0};
     if (block->kind == SAGI_BLOCK_SPHERES)
         return (sagi_bvh_reference){block->geometry, sagi_sphere_primitives(block)[i]};
     return (sagi_bvh_reference){block->geometry, ((const uint32_t *)(const void *)(block + 1))[i]};

@@ -82,14 +82,27 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
 
 // One sphere by itself.
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane) {
-    const uint32_t primitive = sagi_sphere_primitives(block)[lane];
+    const sagi_bvh_reference r = sagi_block_reference(block, lane);
+    const void *shape = here->world->items[r.geometry].shape;
     SAGI_KERNEL_COUNT(solved);
     double t[2];
-    sagi_d4 at = sagi_spheres_load(item_of(here, block)->shape, primitive);
+    sagi_d4 at =
+        block->geometry == SAGI_LONE_SPHERES ? sagi_sphere_load(shape) : sagi_spheres_load(shape, r.primitive);
     int found = sagi_sphere_solve(at, here->ray, here->t_max, asked != ALL, t);
     for (int i = 0; i < found; i++)
-        if (accept(asked, here, block->geometry, primitive, t[i], 0, 0)) return true;
+        if (accept(asked, here, r.geometry, r.primitive, t[i], 0, 0)) return true;
     return false;
+}
+
+// Those of these lanes whose geometry the ray sees.
+static inline uint32_t seen_spheres(const level *here, const sagi_block *block, uint32_t lanes) {
+    if (block->geometry != SAGI_LONE_SPHERES) return sees(here, item_of(here, block)) ? lanes : 0;
+    uint32_t seen = 0;
+    for (uint32_t left = lanes; left != 0; left &= left - 1) {
+        const uint32_t lane = (uint32_t)__builtin_ctz(left);
+        if (sees(here, &here->world->items[sagi_sphere_primitives(block)[lane]])) seen |= 1U << lane;
+    }
+    return seen;
 }
 
 static inline void add_sphere(level *here, const sagi_block *block, const sphere_answer *answer,
@@ -99,6 +112,11 @@ static inline void add_sphere(level *here, const sagi_block *block, const sphere
     float earliest = begin + sagi_float_max(between[0][lane], 0) * step,
           latest = begin + between[1][lane] * step;
     if (!add_candidate(here, block, lane, earliest * (1 - 0x1p-20F), latest * (1 + 0x1p-20F))) return;
+    if (block->geometry == SAGI_LONE_SPHERES) {
+        const sag_sphere *lone = here->world->items[sagi_sphere_primitives(block)[lane]].shape;
+        __builtin_prefetch(&lone->center), __builtin_prefetch(&lone->radius);
+        return;
+    }
     const sag_spheres *set = item_of(here, block)->shape;
     const size_t primitive = sagi_sphere_primitives(block)[lane];
     __builtin_prefetch(set->centers_f64 ? (const void *)(set->centers_f64 + 3 * primitive)
@@ -107,9 +125,12 @@ static inline void add_sphere(level *here, const sagi_block *block, const sphere
 }
 
 SAGI_INLINE bool sphere_block(question asked, level *here, const sagi_block *block, float begin) {
-    if (!sees(here, item_of(here, block))) return false;
     SAGI_KERNEL_COUNT(blocks);
     sphere_answer answer = meet_spheres(block, &here->tree_ray, begin, here->limit);
+    const uint32_t met = answer.certain | answer.uncertain;
+    if (met == 0) return false;
+    const uint32_t seen = seen_spheres(here, block, met);
+    answer.certain &= seen, answer.uncertain &= seen;
     if (asked == ANY && answer.certain != 0) return here->search->found = true;
     if (asked == CLOSEST) {
         for (uint32_t left = answer.certain; left != 0; left &= left - 1)

@@ -50,8 +50,16 @@ static bool is_triangles(const sagi_snapshot *s, const sagi_triangle_block *bloc
 }
 
 static bool is_spheres(const sagi_snapshot *s, const sagi_block *head) {
-    if (head->geometry >= s->count || s->items[head->geometry].kind != SAG_SHAPE_SPHERES) return false;
-    if (s->items[head->geometry].place != NULL) return false;
+    if (s->solid != NULL) return false;
+    if (head->geometry == SAGI_LONE_SPHERES) {
+        for (uint32_t i = 0; i < head->count; i++) {
+            const uint32_t geometry = sagi_sphere_primitives(head)[i];
+            if (geometry >= s->count || !sagi_is_lone_sphere(&s->items[geometry])) return false;
+        }
+    } else if (head->geometry >= s->count || s->items[head->geometry].kind != SAG_SHAPE_SPHERES ||
+               s->items[head->geometry].place != NULL) {
+        return false;
+    }
     uint32_t length = sagi_sphere_row_length(head->count);
     for (uint32_t i = head->count; i < length; i++)
         if (sagi_sphere_primitives(head)[i] != 0) return false;
@@ -151,21 +159,24 @@ static bool is_inside(uint64_t first, uint64_t count, uint64_t all) {
     return first <= all && count <= all - first;
 }
 
-static bool has_only_members(const sagi_snapshot *s, const sagi_group *g, const sagi_bvh_reference *r,
-                             uint32_t count) {
-    // Only an own tree of one geometry is refitted; in a shared one every primitive is some member's: else it
-    // would be kept when that changes.
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t low = g->member_first, high = g->member_first + g->member_count;
-        while (high - low > 1) { // members are in order
-            uint32_t middle = low + (high - low) / 2;
-            if (s->members[middle] <= r[i].geometry)
-                low = middle;
-            else
-                high = middle;
-        }
-        if (s->members[low] != r[i].geometry) return false;
+// Only an own tree of one geometry is refitted; in a shared one every primitive is some member's: else it
+// would be kept when that changes.
+static bool is_of_member(const sagi_snapshot *s, const sagi_group *g, uint32_t geometry) {
+    uint32_t low = g->member_first, high = g->member_first + g->member_count;
+    while (high - low > 1) { // members are in order
+        uint32_t middle = low + (high - low) / 2;
+        if (s->members[middle] <= geometry)
+            low = middle;
+        else
+            high = middle;
     }
+    return s->members[low] == geometry;
+}
+
+static bool is_block_of_members(const sagi_snapshot *s, const sagi_group *g, const sagi_block *block) {
+    const bool several = block->kind == SAGI_BLOCK_REFERENCES || block->geometry == SAGI_LONE_SPHERES;
+    for (uint32_t i = 0; i < (several ? block->count : 1U); i++)
+        if (!is_of_member(s, g, sagi_block_reference(block, i).geometry)) return false;
     return true;
 }
 
@@ -178,13 +189,7 @@ static bool has_only_own_leaves(const sagi_snapshot *s, const sagi_group *g) {
             size_t end = (size_t)(node->child[i] & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT +
                          sagi_block_bytes((sagi_block_kind)block->kind, block->count);
             if (end > ((size_t)g->unit_first + g->tree.unit_count) * SAGI_BVH_UNIT) return false;
-            sagi_bvh_reference first = sagi_block_reference(block, 0);
-            bool own =
-                block->kind == SAGI_BLOCK_REFERENCES
-                    ? has_only_members(s, g, ((const sagi_reference_block *)(const void *)block)->reference,
-                                       block->count)
-                    : has_only_members(s, g, &first, 1);
-            if (!own) return false;
+            if (!is_block_of_members(s, g, block)) return false;
         }
     return true;
 }
@@ -198,8 +203,9 @@ static const char *check_group(const sagi_snapshot *s, const sagi_group *g) {
         return "a group that leads out of the scene";
     if (g->found.good > s->stats.primitive_count || g->found.unbounded > s->stats.primitive_count)
         return "a group of too many primitives";
-    if (!has_only_members(s, g, s->unbounded + g->unbounded_first, (uint32_t)g->found.unbounded))
-        return "a group with another's primitives";
+    for (uint64_t i = 0; i < g->found.unbounded; i++)
+        if (!is_of_member(s, g, s->unbounded[g->unbounded_first + i].geometry))
+            return "a group with another's primitives";
     if ((t->node_count > 0) != (g->found.good > 0) || (g->found.good > 0) == sag_box3_is_empty(b))
         return "a group with a tree of nothing";
     if (t->node_count == 0)

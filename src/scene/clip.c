@@ -8,6 +8,7 @@
 // (x − C)·2⁻ᵏ: the difference is rounded once, and at most 1 when scaled; scaling is exact.
 bool sagi_primitive_corners(const void *snapshot, const sagi_bvh_primitive *primitive, double corner[3][3]) {
     const sagi_snapshot *s = snapshot;
+    if (primitive->geometry == SAGI_LONE_SPHERES) return false;
     const sagi_item *item = &s->items[primitive->geometry];
     if (item->kind != SAG_SHAPE_MESH || s->solid != NULL) return false;
     sag_vec3 vertex[3];

@@ -8,6 +8,7 @@
 
 static sagi_block_kind kind_of(const sagi_snapshot *s, uint32_t geometry) {
     if (geometry == SAGI_BVH_MIXED || s->solid != NULL) return SAGI_BLOCK_REFERENCES;
+    if (geometry == SAGI_LONE_SPHERES) return SAGI_BLOCK_SPHERES;
     const sagi_item *item = &s->items[geometry];
     if (item->kind == SAG_SHAPE_MESH) return SAGI_BLOCK_TRIANGLES;
     return item->kind == SAG_SHAPE_SPHERES && item->place == NULL ? SAGI_BLOCK_SPHERES
@@ -31,22 +32,21 @@ uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count
     return (uint32_t)((bytes + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT);
 }
 
-static bool comes_before(const sagi_bvh_primitive *a, const sagi_bvh_primitive *b) {
-    return a->geometry != b->geometry ? a->geometry < b->geometry : a->primitive < b->primitive;
+static bool comes_before(sagi_bvh_reference a, sagi_bvh_reference b) {
+    return a.geometry != b.geometry ? a.geometry < b.geometry : a.primitive < b.primitive;
 }
 
 // Sorted by insertion: there are at most SAGI_BVH_MAX_LEAF.
 static void write_references(const sagi_bvh_primitive *p, uint32_t count, sagi_reference_block *block) {
-    const sagi_bvh_primitive *sorted[SAGI_BVH_MAX_LEAF];
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t place = i;
-        for (; place > 0 && comes_before(&p[i], sorted[place - 1]); place--)
-            sorted[place] = sorted[place - 1];
-        sorted[place] = &p[i];
-    }
+    sagi_bvh_reference *sorted = block->reference;
     block->head = (sagi_block){.kind = SAGI_BLOCK_REFERENCES, .count = (uint8_t)count};
-    for (uint32_t i = 0; i < count; i++)
-        block->reference[i] = (sagi_bvh_reference){sorted[i]->geometry, sorted[i]->primitive};
+    for (uint32_t i = 0; i < count; i++) {
+        sagi_bvh_reference r = {p[i].geometry, p[i].primitive};
+        if (r.geometry == SAGI_LONE_SPHERES) r = (sagi_bvh_reference){r.primitive, 0};
+        uint32_t place = i;
+        for (; place > 0 && comes_before(r, sorted[place - 1]); place--) sorted[place] = sorted[place - 1];
+        sorted[place] = r;
+    }
 }
 
 // The corners of up to eight triangles, coordinate by coordinate like the block's: at[i][k][j] is coordinate

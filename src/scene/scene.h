@@ -11,6 +11,7 @@
 
 #include "kernel/block.h"
 #include "kernel/kernel.h"
+#include "shapes/sphere.h"
 #include "solid/tree.h"
 #include <stdatomic.h>
 #include <time.h>
@@ -109,6 +110,10 @@ sag_status sagi_snapshot_build(sagi_snapshot *snapshot, const sagi_snapshot *bef
 // Whether a geometry is where and what it was, as far as boxes go (commit.c).
 bool sagi_geometry_is_as_before(const sagi_snapshot *snapshot, const sagi_snapshot *before, uint32_t id);
 
+// Whether the geometry is a whole sphere that stands as it is described: one of SAGI_LONE_SPHERES.
+static inline bool sagi_is_lone_sphere(const sagi_item *item) {
+    return item->kind == SAG_SHAPE_SPHERE && item->place == NULL && sagi_sphere_is_whole(item->shape);
+}
 // Whether the snapshot is one of a solid.
 static inline bool sagi_snapshot_is_solid(const sagi_snapshot *snapshot) {
     return snapshot->solid != NULL;

@@ -17,11 +17,12 @@ static void read_balls(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint
     const sag_vec3 origin = s->world.origin;
     const double scale = s->world.scale;
     for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
-        sag_vec3 center;
-        double radius;
-        sagi_spheres_get(s->items[p[0].geometry].shape, p[j < count ? j : 0].primitive, &center, &radius);
-        at[0][j] = (center.x - origin.x) * scale, at[1][j] = (center.y - origin.y) * scale;
-        at[2][j] = (center.z - origin.z) * scale, at[3][j] = radius * scale;
+        const uint32_t number = p[j < count ? j : 0].primitive;
+        const sagi_d4 ball = p[0].geometry == SAGI_LONE_SPHERES
+                                 ? sagi_sphere_load(s->items[number].shape)
+                                 : sagi_spheres_load(s->items[p[0].geometry].shape, number);
+        at[0][j] = (ball[0] - origin.x) * scale, at[1][j] = (ball[1] - origin.y) * scale;
+        at[2][j] = (ball[2] - origin.z) * scale, at[3][j] = ball[3] * scale;
     }
 }
 

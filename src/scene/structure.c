@@ -132,7 +132,10 @@ static void write_boxes(void *argument, size_t index) {
             sagi_primitive_state state = sagi_primitive_box(s, r.geometry, i, &box);
             if (state == SAGI_PRIMITIVE_UNBOUNDED)
                 s->unbounded[unbounded++] = (sagi_bvh_reference){r.geometry, i};
-            if (state == SAGI_PRIMITIVE_GOOD) *out++ = sagi_world_primitive(&s->world, &box, r.geometry, i);
+            if (state != SAGI_PRIMITIVE_GOOD) continue;
+            *out++ = s->solid == NULL && sagi_is_lone_sphere(&s->items[r.geometry])
+                         ? sagi_world_primitive(&s->world, &box, SAGI_LONE_SPHERES, r.geometry)
+                         : sagi_world_primitive(&s->world, &box, r.geometry, i);
         }
     }
 }

@@ -19,6 +19,10 @@ static double top(const sag_sphere *s) {
     return is_clipped(s) && s->z_max < s->radius ? s->z_max : s->radius;
 }
 
+bool sagi_sphere_is_whole(const sag_sphere *s) {
+    return !is_clipped(s) && sagi_sweep_is_full(s->phi_max_rad);
+}
+
 static bool is_usable(const sag_sphere *s) { return sag_sphere_validate(s, NULL) == SAG_OK; }
 
 sag_status sag_sphere_validate(const sag_sphere *s, sag_error *error) {
@@ -67,7 +71,7 @@ static void collect(const sag_sphere *sphere, const sag_ray *ray, sagi_crossings
 }
 
 bool sag_sphere_hit(const sag_sphere *sphere, const sag_ray *ray, sag_hit *hit) {
-    if (is_clipped(sphere) || !sagi_sweep_is_full(sphere->phi_max_rad)) {
+    if (!sagi_sphere_is_whole(sphere)) {
         sagi_crossings list;
         collect(sphere, ray, &list);
         return sagi_crossings_first(&list, hit);

@@ -6,6 +6,8 @@
 
 #include "shapes/common.h"
 
+// Whether nothing is cut off.
+bool sagi_sphere_is_whole(const sag_sphere *sphere);
 // The nearest crossing in [t_min, t_max]; *t is written only when there is one.
 bool sagi_sphere_hit(sag_vec3 center, double radius, const sag_ray *ray, double *t);
 // Both crossings in range, in order; returns how many. A tangent counts twice.

@@ -6,6 +6,11 @@
 #include "math/simd.h"
 #include "shapes/sphere.h"
 
+// A whole sphere as the lanes of a vector: centre and radius.
+SAGI_INLINE sagi_d4 sagi_sphere_load(const sag_sphere *s) {
+    return (sagi_d4){s->center.x, s->center.y, s->center.z, s->radius};
+}
+
 // Sphere number i < count; false when it is not finite or has no positive radius, and so is not there.
 static inline bool sagi_spheres_get(const sag_spheres *s, uint32_t i, sag_vec3 *center, double *radius) {
     size_t at = (size_t)i * 3;

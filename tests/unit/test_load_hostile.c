@@ -316,6 +316,41 @@ static void sphere_that_is_not_there(void **state) {
     }
 }
 
+// Five spheres that are geometries of their own in one block, with a box and a moved sphere.
+static void lone_sphere_that_is_not_there(void **state) {
+    (void)state;
+    for (int what = 0; what < 6; what++) {
+        rng r = rng_make(17);
+        const sag_affine move = sag_affine_translate(sag_vec3_make(100, 0, 0));
+        sag_scene *scene = sag_scene_create(context);
+        for (int i = 0; i < 5; i++) sag_add_sphere(scene, &(sag_sphere){.radius = 0.4 + 1e-5 * i});
+        sag_add_box(scene, &(sag_box){{90, 0, 0}, {91, 1, 1}});
+        sag_geometry_set_transform(scene, sag_add_sphere(scene, &(sag_sphere){.radius = 1}), &move);
+        assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+        saved file = saved_from(scene, NULL, NULL);
+        sag_scene_destroy(scene);
+        const place leaves = find(&file, SAGI_FILE_LEAVES, 0);
+        sagi_block *block = NULL;
+        for (size_t at = leaves.at; at < leaves.at + leaves.bytes && block == NULL; at += SAGI_BVH_UNIT) {
+            sagi_block *here = (void *)(file.bytes + at);
+            if (here->kind == SAGI_BLOCK_SPHERES && here->count == 5) block = here;
+        }
+        assert_non_null(block);
+        assert_int_equal(block->geometry, SAGI_LONE_SPHERES);
+        uint32_t *primitive = (uint32_t *)(void *)(block + 1) + 2 * SAGI_BVH_WIDTH;
+        switch (what) {
+        case 0: primitive[4] = 5; break; // a box
+        case 1: primitive[4] = 6; break; // placed
+        case 2: primitive[4] = 7; break;
+        case 3: primitive[7] = 1; break; // beyond count
+        case 4: block->geometry = 0; break;
+        default: break; // nothing is wrong
+        }
+        assert_int_equal(try_it(&r, &file), what == 5);
+        saved_free(&file);
+    }
+}
+
 static void index_out_of_range(void **state) {
     (void)state;
     saved file = mesh_file_in_memory();
@@ -401,6 +436,7 @@ int main(void) {
         cmocka_unit_test(tree_too_deep),
         cmocka_unit_test(leaf_beyond_the_end),
         cmocka_unit_test(sphere_that_is_not_there),
+        cmocka_unit_test(lone_sphere_that_is_not_there),
         cmocka_unit_test(triangle_that_is_not_there),
         cmocka_unit_test(index_out_of_range),
         cmocka_unit_test(shape_that_is_not_valid),

@@ -74,8 +74,12 @@ static void check_sphere(const sagi_world *w, const sagi_block *block, uint32_t 
     const double origin[3] = {w->origin.x, w->origin.y, w->origin.z};
     sag_vec3 v;
     double radius;
-    assert_true(
-        sagi_spheres_get(w->items[block->geometry].shape, sagi_sphere_primitives(block)[j], &v, &radius));
+    const sagi_bvh_reference number = sagi_block_reference(block, j);
+    const sag_sphere *lone = w->items[number.geometry].shape;
+    if (block->geometry == SAGI_LONE_SPHERES)
+        v = lone->center, radius = lone->radius;
+    else
+        assert_true(sagi_spheres_get(w->items[number.geometry].shape, number.primitive, &v, &radius));
     const double c[3] = {v.x, v.y, v.z};
     assert_true(fabs(radius * w->scale * steps - sagi_sphere_row(block, 3)[j]) <= SAGI_GRID_ERROR);
     for (uint32_t k = 0; k < 3; k++) {
@@ -142,6 +146,30 @@ static void cut(rng *r, const model *m, sag_ray *ray) {
     if (rng_one_in(r, 4)) ray->t_max = ray->t_min + 2 * reach;
 }
 
+// The set as geometries of their own.
+static void add_lone_spheres(sag_scene *scene, const model *m) {
+    for (uint32_t i = 0; i < COUNT; i++) {
+        sag_sphere s = {.radius = 1};
+        sagi_spheres_get(&m->set, i, &s.center, &s.radius);
+        assert_int_equal(sag_add_sphere(scene, &s), i);
+    }
+}
+
+// The same but for the way a hit names the sphere.
+static void compare_lone(const model *m, const sag_scene *scene, const sag_ray *ray) {
+    sag_hit expected[2 * COUNT], hits[2 * COUNT], first, nearest;
+    size_t count = sag_spheres_crossings(&m->set, ray, expected, 2 * COUNT);
+    bool met = sag_spheres_hit(&m->set, ray, &first);
+    assert_int_equal(sag_intersect_all(scene, ray, hits, 2 * COUNT), count);
+    for (size_t i = 0; i < count; i++)
+        assert_true(hits[i].t == expected[i].t && hits[i].geometry == expected[i].primitive &&
+                    hits[i].primitive == 0);
+    assert_int_equal(sag_occluded(scene, ray), met);
+    assert_int_equal(sag_intersect(scene, ray, &nearest), met);
+    if (met)
+        assert_true(nearest.t == first.t && nearest.geometry == first.primitive && nearest.primitive == 0);
+}
+
 static void compare(const model *m, const sag_scene *scene, const sag_ray *ray) {
     sag_hit expected[2 * COUNT], hits[2 * COUNT], first, nearest;
     size_t count = sag_spheres_crossings(&m->set, ray, expected, 2 * COUNT);
@@ -165,21 +193,25 @@ static void blocks_answer_as_their_spheres_do(void **state) {
     for (size_t round = 0, n = soak(4 * MODELS); round < n; round++) {
         model m;
         make(&m, &r, (int)(round % MODELS));
-        sag_scene *scenes[SAGI_ISA_COUNT] = {NULL};
+        sag_scene *scenes[SAGI_ISA_COUNT] = {NULL}, *lone[SAGI_ISA_COUNT] = {NULL};
         for (int i = 0; i < SAGI_ISA_COUNT; i++) {
             if (contexts[i] == NULL) continue;
             scenes[i] = sag_scene_create(contexts[i]);
             sag_add_spheres(scenes[i], &m.set);
             assert_int_equal(sag_scene_commit(scenes[i], NULL), SAG_OK);
             check_leaves(scenes[i], COUNT);
+            lone[i] = sag_scene_create(contexts[i]);
+            add_lone_spheres(lone[i], &m);
+            assert_int_equal(sag_scene_commit(lone[i], NULL), SAG_OK);
+            check_leaves(lone[i], COUNT);
         }
         for (int k = 0; k < 1000; k++) {
             sag_ray ray = mean_ray(&r, &m);
             if (k % 2 == 1) cut(&r, &m, &ray);
             for (int i = 0; i < SAGI_ISA_COUNT; i++)
-                if (scenes[i] != NULL) compare(&m, scenes[i], &ray);
+                if (scenes[i] != NULL) compare(&m, scenes[i], &ray), compare_lone(&m, lone[i], &ray);
         }
-        for (int i = 0; i < SAGI_ISA_COUNT; i++) sag_scene_destroy(scenes[i]);
+        for (int i = 0; i < SAGI_ISA_COUNT; i++) sag_scene_destroy(scenes[i]), sag_scene_destroy(lone[i]);
     }
     for (int i = 0; i < SAGI_ISA_COUNT; i++) sag_context_destroy(contexts[i]);
 }
@@ -216,8 +248,46 @@ static void sets_are_sorted_out(void **state) {
     sag_context_destroy(context);
 }
 
+// Masks are a geometry's own, and a sphere that is cut or placed, or a neighbour of another kind, stands in
+// lists: answers are those of the spheres that the ray sees.
+static void lone_spheres_keep_their_masks(void **state) {
+    (void)state;
+    rng r = rng_make(73);
+    model m;
+    sag_context *context = sag_context_create(NULL);
+    make(&m, &r, 0);
+    for (int mixed = 0; mixed < 2; mixed++) {
+        sag_scene *scene = sag_scene_create(context);
+        add_lone_spheres(scene, &m);
+        for (uint32_t i = 0; i < COUNT; i++) sag_geometry_set_mask(scene, i, 1U << i % 3);
+        const double far = 100 * (m.size + sag_length(m.middle));
+        if (mixed) // out of all rays' way, but a neighbour to the tree
+            sag_add_box(scene, &(sag_box){{far, far, far}, {2 * far, 2 * far, 2 * far}});
+        assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+        for (int k = 0; k < 3000; k++) {
+            sag_ray ray = mean_ray(&r, &m);
+            ray.mask = 1 + rng_below(&r, 7);
+            ray.t_max = ray.t_min + 20 * m.size / sag_length(ray.direction);
+            sag_hit hit, best = {.t = INFINITY}, of_one;
+            for (uint32_t i = 0; i < COUNT; i++) {
+                sag_sphere s = {.radius = 1};
+                sagi_spheres_get(&m.set, i, &s.center, &s.radius);
+                if ((ray.mask >> i % 3 & 1) == 0 || !sag_sphere_hit(&s, &ray, &of_one)) continue;
+                if (of_one.t < best.t) best = of_one, best.geometry = i;
+            }
+            const bool met = isfinite(best.t);
+            assert_int_equal(sag_intersect(scene, &ray, &hit), met);
+            assert_int_equal(sag_occluded(scene, &ray), met);
+            if (met) assert_true(hit.t == best.t && hit.geometry == best.geometry);
+        }
+        sag_scene_destroy(scene);
+    }
+    sag_context_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(blocks_answer_as_their_spheres_do),
+                                       cmocka_unit_test(lone_spheres_keep_their_masks),
                                        cmocka_unit_test(sets_are_sorted_out)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
