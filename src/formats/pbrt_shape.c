@@ -50,9 +50,6 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
     }
     if (p->options->geometry_only) return SAG_OK;
     sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
-    // A mesh is moved vertex by vertex: its normal turns with the handedness, as pbrt's does and then turns
-    // back.
-    if (kind == SAG_SHAPE_MESH && sag_affine_determinant(placed) < 0) look.flip = !look.flip;
     look.alpha = sagi_pbrt_float_input(p, "alpha", 1);
     if (look.alpha.texture == 0 && look.alpha.value.r != 1)
         sagi_pbrt_warn_once(p, p->params.place, "alpha", "%s: a constant \"alpha\" is not supported",

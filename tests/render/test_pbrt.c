@@ -216,6 +216,32 @@ static void test_surface(void **state) {
     sag_world_destroy(world);
 }
 
+// A mesh under a mirroring transform keeps its front, as every shape does: once it was turned twice.
+static void test_mirrored_meshes_keep_their_front(void **state) {
+    (void)state;
+    static const char *const maps[] = {"", "Scale -1 1 1", "Scale 1 1 -1", "ReverseOrientation"};
+    for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 W "%s\nShape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0 1 1 0]\n"
+                   "Shape \"rectangle\" \"point3 corner\" [-1 -1 1]\"vector3 edgeu\" [2 0 0] \"vector3 "
+                   "edgev\" [0 2 0]",
+                 maps[i]);
+        sag_world *world = scene_load_good(text);
+        const sag_ray ray =
+            sag_ray_make(sag_vec3_make(i == 1 ? -0.5 : 0.5, -0.25, 5), sag_vec3_make(0, 0, -1));
+        sag_hit hits[2];
+        assert_int_equal(sag_intersect_all(sag_world_scene(world), &ray, hits, 2), 2);
+        for (int k = 0; k < 2; k++) {
+            sag_surface surface;
+            sag_surface_at(sag_world_scene(world), &ray, &hits[k], &surface);
+            sagi_orient(sagi_appearance_of(world, &surface), &surface);
+            assert_true(surface.geometric_normal.z == (i < 2 ? 1 : -1));
+        }
+        sag_world_destroy(world);
+    }
+}
+
 static void test_objects_and_attributes(void **state) {
     (void)state;
     sag_world *world = scene_load_good(
@@ -363,6 +389,7 @@ int main(void) {
         cmocka_unit_test(test_settings),
         cmocka_unit_test(test_shapes),
         cmocka_unit_test(test_surface),
+        cmocka_unit_test(test_mirrored_meshes_keep_their_front),
         cmocka_unit_test(test_objects_and_attributes),
         cmocka_unit_test(test_lights_and_materials),
         cmocka_unit_test(test_colors),
