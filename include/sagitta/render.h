@@ -145,9 +145,9 @@ typedef struct sag_appearance {
 } sag_appearance;
 
 /// Binds a look to a geometry of one of the world's scenes, in place of an earlier one. It sets the
-/// geometry's user data, so it comes before the scene's commit. SAG_ERROR_ARGUMENT for an unknown geometry,
-/// material or texture, SAG_ERROR_MEMORY. Shining geometries in instanced scenes light the world too, but
-/// only surfaces' own sampling finds them.
+/// geometry's user data, so it comes before the scene's commit. SAG_ERROR_ARGUMENT for a scene that is none
+/// of the world's and an unknown geometry, material or texture, SAG_ERROR_MEMORY. Shining geometries in
+/// instanced scenes light the world too, but only surfaces' own sampling finds them.
 SAG_API sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                             const sag_appearance *appearance);
 

@@ -55,13 +55,13 @@ void sag_world_destroy(sag_world *world) {
     sag_light *lights = world->lights.items;
     for (size_t i = 0; i < world->lights.count; i++) sag_image_clear(context, &lights[i].image);
     sag_scene_destroy(world->scene);
-    sag_scene **objects = world->objects.items;
-    for (size_t i = 0; i < world->objects.count; i++) sag_scene_destroy(objects[i]);
+    sagi_world_object *objects = world->objects.items;
+    for (size_t i = 0; i < world->objects.count; i++) sag_scene_destroy(objects[i].scene);
     sagi_list_clear(context, &world->textures, sizeof(sagi_texture));
     sagi_list_clear(context, &world->materials, sizeof(sagi_material));
     sagi_list_clear(context, &world->lights, sizeof(sag_light));
     sagi_list_clear(context, &world->appearances, sizeof(sagi_appearance));
-    sagi_list_clear(context, &world->objects, sizeof(sag_scene *));
+    sagi_list_clear(context, &world->objects, sizeof(sagi_world_object));
     sag_release(context, world, sizeof *world);
 }
 
@@ -70,16 +70,16 @@ sag_scene *sag_world_scene(sag_world *world) { return world->scene; }
 sag_settings *sag_world_settings(sag_world *world) { return &world->settings; }
 
 sag_scene *sag_world_add_object(sag_world *world) {
-    sag_scene **slot = sagi_list_grow(world->context, &world->objects, sizeof *slot);
+    sagi_world_object *slot = sagi_list_grow(world->context, &world->objects, sizeof *slot);
     if (!slot) return NULL;
-    *slot = sag_scene_create(world->context);
-    if (*slot) world->objects.count++;
-    return *slot;
+    slot->scene = sag_scene_create(world->context);
+    if (slot->scene) world->objects.count++;
+    return slot->scene;
 }
 
 sag_scene *sag_world_object(const sag_world *world, uint32_t index) {
-    sag_scene *const *objects = world->objects.items;
-    return index < world->objects.count ? objects[index] : NULL;
+    const sagi_world_object *objects = world->objects.items;
+    return index < world->objects.count ? objects[index].scene : NULL;
 }
 
 // The depth of a texture over its inputs, or 0 when one does not exist or there are too many levels.
@@ -142,43 +142,46 @@ uint32_t sag_world_add_light(sag_world *world, const sag_light *light) {
     return (uint32_t)world->lights.count;
 }
 
-// The appearance of a geometry that has one already. Loaders set each geometry's once and in order: an id
-// above all that its scene has seen so far needs no search.
-static sagi_appearance *find_appearance(sag_world *world, const sag_scene *scene, uint32_t geometry) {
-    sagi_appearance *all = world->appearances.items;
-    for (size_t i = world->appearances.count; i-- > 0;) {
-        if (all[i].scene != scene) continue;
-        if (all[i].geometry == geometry) return &all[i];
-        if (all[i].highest < geometry) return NULL;
-    }
+// Where the latest appearance of a scene is written down; loaders ask for the newest objects.
+static uint32_t *latest_of(sag_world *world, const sag_scene *scene) {
+    if (scene == world->scene) return &world->latest;
+    sagi_world_object *objects = world->objects.items;
+    for (size_t i = world->objects.count; i-- > 0;)
+        if (objects[i].scene == scene) return &objects[i].latest;
     return NULL;
 }
 
-// The highest id of this scene that has an appearance; `geometry` itself when there is none.
-static uint32_t highest_id(const sag_world *world, const sag_scene *scene, uint32_t geometry) {
-    const sagi_appearance *all = world->appearances.items;
-    for (size_t i = world->appearances.count; i-- > 0;)
-        if (all[i].scene == scene) return all[i].highest > geometry ? all[i].highest : geometry;
-    return geometry;
+// The appearance of a geometry that has one already, from the latest of its scene backward. Loaders set each
+// geometry's once and in order: an id above all that its scene has seen so far needs no search.
+static sagi_appearance *find_appearance(const sag_world *world, uint32_t latest, uint32_t geometry) {
+    sagi_appearance *all = world->appearances.items;
+    for (uint32_t i = latest; i != 0 && all[i - 1].highest >= geometry; i = all[i - 1].previous)
+        if (all[i - 1].geometry == geometry) return &all[i - 1];
+    return NULL;
 }
 
 sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                     const sag_appearance *appearance) {
     if (appearance->material > world->materials.count || appearance->alpha.texture > world->textures.count)
         return SAG_ERROR_ARGUMENT;
-    sagi_appearance *found = find_appearance(world, scene, geometry);
+    uint32_t *const latest = latest_of(world, scene);
+    if (!latest) return SAG_ERROR_ARGUMENT;
+    sagi_appearance *found = find_appearance(world, *latest, geometry);
     if (found) {
         found->look = *appearance;
         return SAG_OK;
     }
     sagi_appearance *slot = sagi_list_grow(world->context, &world->appearances, sizeof *slot);
-    if (!slot) return SAG_ERROR_MEMORY;
+    if (!slot || world->appearances.count == UINT32_MAX) return SAG_ERROR_MEMORY;
     sag_status status = sag_geometry_set_user_data(scene, geometry, world->appearances.count + 1);
     if (status != SAG_OK) return status;
+    const sagi_appearance *all = world->appearances.items;
+    const uint32_t highest = *latest ? all[*latest - 1].highest : geometry;
     slot->look = *appearance;
     slot->scene = scene;
     slot->geometry = geometry;
-    slot->highest = highest_id(world, scene, geometry);
-    world->appearances.count++;
+    slot->highest = highest > geometry ? highest : geometry;
+    slot->previous = *latest;
+    *latest = (uint32_t)++world->appearances.count;
     return SAG_OK;
 }

@@ -30,8 +30,15 @@ typedef struct sagi_appearance {
     sag_appearance look;
     sag_scene *scene;
     uint32_t geometry;
-    uint32_t highest; // id of this scene that had an appearance by then, this one included
+    uint32_t highest;  // id of this scene that had an appearance by then, this one included
+    uint32_t previous; // of this scene; 0: none
 } sagi_appearance;
+
+// A scene besides the world's own.
+typedef struct sagi_world_object {
+    sag_scene *scene;
+    uint32_t latest; // appearance; 0: none
+} sagi_world_object;
 
 struct sag_world {
     sag_context *context;
@@ -41,7 +48,8 @@ struct sag_world {
     sagi_list materials;   // sagi_material
     sagi_list lights;      // sag_light
     sagi_list appearances; // sagi_appearance
-    sagi_list objects;     // sag_scene *
+    sagi_list objects;     // sagi_world_object
+    uint32_t latest;       // appearance of the world's own scene
 };
 
 // Room for one more item at the end (not counted yet), zeroed; NULL when memory is short.
