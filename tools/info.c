@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // sagitta info: what is in a file, and what is wrong with it. Without a file: what this program is.
-#include "tool.h"
+#include "info_solids.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -42,6 +42,7 @@ typedef struct info {
     uint64_t not_finite_count, degenerate_count, duplicate_count, open_count;
     uint64_t kinds[KIND_COUNT];
     uint32_t object_count; // scenes that instances place
+    solids solids;         // those of them that are solids
     sag_scene_stats stats;
     double load_seconds, check_seconds;
     bool out_of_memory;
@@ -104,7 +105,9 @@ static void add_objects(info *n, const sag_world *world) {
         n->stats.structure_bytes += s.structure_bytes;
         n->stats.build_seconds += s.build_seconds;
         if (s.depth > n->stats.depth) n->stats.depth = s.depth;
+        solids_add(&n->solids, object);
     }
+    n->out_of_memory |= n->solids.out_of_memory;
 }
 
 // ---------------------------------------------------------------------------------------------------------------
@@ -128,13 +131,14 @@ static void print_summary(const info *n) {
                sag_shape_kind_name((sag_shape_kind)kind));
         separator = ", ";
     }
-    if (n->object_count)
-        printf("; %s object%s placed by instances", text_count(a, n->object_count), plural(n->object_count));
+    const uint64_t objects = n->object_count - n->solids.count;
+    if (objects) printf("; %s object%s placed by instances", text_count(a, objects), plural(objects));
     printf("\n  %-14s %s\n", "primitives", text_count(a, s->primitive_count));
     if (n->mesh_count) {
         printf("  %-14s %s in %s mesh%s, %s vertices\n", "triangles", text_count(a, n->triangle_count),
                text_count(b, n->mesh_count), n->mesh_count == 1 ? "" : "es", text_count(c, n->vertex_count));
     }
+    solids_print_summary(&n->solids);
     if (sag_box3_is_empty(&s->bounds)) {
         printf("  %-14s none\n", "bounds");
     } else {
@@ -283,7 +287,7 @@ static int info_to_json(const info *n) {
         if (n->kinds[kind])
             add_number(kinds, sag_shape_kind_name((sag_shape_kind)kind), (double)n->kinds[kind]);
     }
-    add_number(json, "objects", n->object_count);
+    add_number(json, "objects", (double)(n->object_count - n->solids.count));
     add_number(json, "instances", (double)n->kinds[SAG_SHAPE_INSTANCE]);
     add_number(json, "primitives", (double)s->primitive_count);
     add_number(json, "triangles", (double)n->triangle_count);
@@ -302,6 +306,7 @@ static int info_to_json(const info *n) {
     add_number(json, "not_closed", (double)n->open_count);
     cJSON *meshes = cJSON_AddArrayToObject(json, "meshes");
     for (size_t i = 0; i < n->mesh_count; i++) cJSON_AddItemToArray(meshes, mesh_to_json(&n->meshes[i]));
+    solids_to_json(&n->solids, json);
     return print_json(json);
 }
 
@@ -325,15 +330,13 @@ static sag_status load(info *n, sag_world *world, sag_error *error) {
     const double start = clock_seconds();
     sag_status status = sag_world_load_geometry(world, n->file, on_mesh, n, error);
     n->load_seconds = clock_seconds() - start - n->check_seconds;
-    if (status == SAG_OK && n->out_of_memory)
-        status = sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
     if (status == SAG_OK) status = sag_scene_commit(sag_world_scene(world), error);
     if (status != SAG_OK) return status;
     sag_scene_get_stats(sag_world_scene(world), &n->stats);
     n->stats.bounds = sag_scene_bounds(sag_world_scene(world)); // infinite with a plane in it
     count_kinds(n, sag_world_scene(world), n->stats.geometry_count);
     add_objects(n, world);
-    return SAG_OK;
+    return n->out_of_memory ? sag_error_set(error, SAG_ERROR_MEMORY, "out of memory") : SAG_OK;
 }
 
 static int describe_file(info *n, bool as_json, bool quiet) {
@@ -350,11 +353,13 @@ static int describe_file(info *n, bool as_json, bool quiet) {
     if (status == SAG_OK && !as_json) {
         if (n->mesh_count) qsort(n->meshes, n->mesh_count, sizeof *n->meshes, by_triangles);
         print_summary(n);
+        solids_print(&n->solids);
         print_meshes(n);
         print_warnings(n);
     }
     sag_world_destroy(world);
     free(n->meshes);
+    solids_clear(&n->solids);
     return result;
 }
 

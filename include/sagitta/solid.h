@@ -78,6 +78,10 @@ typedef struct sag_solid {
 /// there. A disabled part is nowhere.
 SAG_API sag_status sag_scene_set_solid(sag_scene *scene, const sag_solid *solid, sag_error *error);
 
+/// The steps that sag_scene_set_solid was given last; none (step_count 0) for an ordinary scene. They are the
+/// scene's own, there until the next such call or the scene's end.
+SAG_API sag_solid sag_scene_get_solid(const sag_scene *scene);
+
 /// An interval of a ray within one body: a geometry that is closed (as the parts of a solid have to be), a
 /// sphere of a set, or a solid.
 typedef struct sag_span {

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The reader of pbrt-v4 scenes, in the order a scene goes through it: pbrt_text (tokens, parameters),
-// pbrt_load (files, directives, blocks, transforms), pbrt_settings (camera, film …), pbrt_look (textures,
-// materials), pbrt_light, pbrt_shape.
+// pbrt_load (files, directives), pbrt_blocks (blocks, transforms), pbrt_settings (camera, film …),
+// pbrt_texture, pbrt_material, pbrt_light, pbrt_shape and pbrt_mesh, pbrt_object (objects and their
+// instances), pbrt_solid.
 #ifndef SAGI_FORMATS_PBRT_H
 #define SAGI_FORMATS_PBRT_H
 
 #include "formats/load.h"
 #include "formats/pbrt_text.h"
 #include "formats/spectra.h"
+#include <sagitta/solid.h>
 
 #define SAGI_MAX_INCLUDE_DEPTH 64
 #define SAGI_MAX_BLOCK_DEPTH   1000000
@@ -17,6 +19,7 @@ typedef enum sagi_block {
     SAGI_BLOCK_ATTRIBUTE,
     SAGI_BLOCK_TRANSFORM,
     SAGI_BLOCK_OBJECT,
+    SAGI_BLOCK_SOLID,
     SAGI_BLOCK_IMPORT
 } sagi_block;
 
@@ -43,7 +46,7 @@ typedef struct sagi_area_light {
 
 // The graphics state: what AttributeBegin saves.
 typedef struct sagi_state {
-    sag_affine ctm; // object to world
+    sag_affine ctm; // object to world; within a solid: to the solid's space
     bool reverse_orientation;
     bool end_time_only; // transforms are for the end of a motion: passed over
     uint32_t material;
@@ -53,10 +56,40 @@ typedef struct sagi_state {
     sagi_place place; // and where
 } sagi_state;
 
+// A geometry of an object, remembered for those who place the object in a solid.
+typedef struct sagi_object_part {
+    sag_scene *solid; // that it is an instance of; NULL: a shape
+    sagi_place place;
+    uint32_t geometry, material;
+    bool flip;
+} sagi_object_part;
+
 typedef struct sagi_object {
     sag_scene *scene;
+    sag_scene *solid; // all of it as a solid; NULL: nobody asked yet
+    size_t part_first, part_count;
     bool committed;
 } sagi_object;
+
+// An operation of a solid that is being read, with as many operands as it has so far.
+typedef struct sagi_solid_level {
+    sag_solid_operation operation;
+    uint32_t operand_count;
+    sagi_place place;
+} sagi_solid_level;
+
+// The solid that is being read: SolidBegins within it are operations of the same.
+typedef struct sagi_solid_reader {
+    sag_scene *scene;      // NULL: none is open
+    sag_scene *outside;    // where it goes
+    sag_affine to_outside; // its space is the one in which the outermost SolidBegin stands
+    sag_solid_step *steps;
+    size_t step_count, step_allocated;
+    sagi_solid_level *levels;
+    size_t level_count, level_allocated;
+    sagi_place *parts; // where each geometry of it stands in the file
+    size_t part_count, part_allocated;
+} sagi_solid_reader;
 
 typedef struct sagi_pbrt {
     sag_world *world;
@@ -77,10 +110,13 @@ typedef struct sagi_pbrt {
     sagi_names materials, float_textures, spectrum_textures, object_names, system_names, warned;
     sagi_object *objects;
     size_t object_count, object_allocated;
+    sagi_object_part *object_parts; // of all objects, one after the other
+    size_t object_part_count, object_part_allocated;
     sag_affine *systems;
     size_t system_count, system_allocated;
-    sag_scene *scene; // shapes go there: the world's, or an object's
+    sag_scene *scene; // shapes go there: the world's, an object's or a solid's
     bool in_object;
+    sagi_solid_reader solid;
 } sagi_pbrt;
 
 // "file:line:col: warning: …" to the log.
@@ -108,6 +144,9 @@ void sagi_pbrt_path(const sagi_pbrt *p, const char *name, char path[SAGI_MAX_PAT
 sag_rgb sagi_pbrt_rgb(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise);
 sag_input sagi_pbrt_spectrum_input(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise);
 sag_input sagi_pbrt_float_input(sagi_pbrt *p, const char *name, double otherwise);
+
+// The transform to the world's space, or the object's, also within a solid.
+sag_affine sagi_pbrt_transform_now(const sagi_pbrt *p);
 
 // The directives; `place` is the directive's word, which has been read.
 sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place);

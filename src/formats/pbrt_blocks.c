@@ -9,9 +9,10 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const block_ends[] = {"AttributeEnd", "TransformEnd", "ObjectEnd",
+static const char *const block_ends[] = {"AttributeEnd", "TransformEnd", "ObjectEnd", "SolidEnd",
                                          "the end of the imported file"};
-static const char *const block_begins[] = {"AttributeBegin", "TransformBegin", "ObjectBegin", "Import"};
+static const char *const block_begins[] = {"AttributeBegin", "TransformBegin", "ObjectBegin", "SolidBegin",
+                                           "Import"};
 
 sag_status sagi_pbrt_push(sagi_pbrt *p, sagi_place place, sagi_block block) {
     if (p->saved_count == SAGI_MAX_BLOCK_DEPTH)
@@ -97,64 +98,6 @@ sag_status sagi_pbrt_attribute(sagi_pbrt *p, sagi_place place) {
     return SAG_OK;
 }
 
-// ---- objects
-
-sag_status sagi_pbrt_object_begin(sagi_pbrt *p, sagi_place place) {
-    char name[1024];
-    sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status != SAG_OK) return status;
-    if (p->in_object) return sagi_place_error(place, p->error, "ObjectBegin within an object");
-    const sagi_slice key = {name, strlen(name)};
-    if (sagi_names_get(&p->object_names, key, NULL))
-        return sagi_place_error(place, p->error, "there is an object \"%.100s\" already", name);
-    if ((status = sagi_pbrt_push(p, place, SAGI_BLOCK_OBJECT)) != SAG_OK) return status;
-    void *objects = p->objects;
-    if (!sagi_pbrt_reserve(p, &objects, &p->object_allocated, p->object_count, sizeof *p->objects))
-        return sagi_pbrt_out_of_memory(p);
-    p->objects = objects;
-    sag_scene *scene = sag_world_add_object(p->world);
-    if (!scene || !sagi_names_set(&p->object_names, key, (uint32_t)p->object_count))
-        return sagi_pbrt_out_of_memory(p);
-    p->objects[p->object_count++] = (sagi_object){scene, false};
-    p->scene = scene;
-    p->in_object = true;
-    return SAG_OK;
-}
-
-sag_status sagi_pbrt_object_end(sagi_pbrt *p, sagi_place place) {
-    sag_status status = sagi_pbrt_pop(p, place, SAGI_BLOCK_OBJECT);
-    if (status != SAG_OK) return status;
-    sagi_object *object = &p->objects[p->object_count - 1];
-    status = sag_scene_commit(object->scene, p->error);
-    if (status != SAG_OK) {
-        char message[sizeof p->error->message];
-        memcpy(message, p->error->message, sizeof message);
-        sagi_place_error(place, p->error, "the object cannot be built: %.400s", message);
-        return p->error->status = status;
-    }
-    object->committed = true;
-    p->in_object = false;
-    p->scene = sag_world_scene(p->world);
-    return SAG_OK;
-}
-
-sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
-    char name[1024];
-    const sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status != SAG_OK) return status;
-    uint32_t index;
-    if (p->in_object) return sagi_place_error(place, p->error, "ObjectInstance within an object");
-    if (!sagi_names_get(&p->object_names, (sagi_slice){name, strlen(name)}, &index))
-        return sagi_place_error(place, p->error, "there is no object \"%.100s\"", name);
-    sag_affine inverse;
-    if (!sag_affine_inverse(&p->state.ctm, &inverse))
-        return sagi_place_error(place, p->error,
-                                "the object \"%.100s\" cannot be placed: the transform is singular", name);
-    return sag_add_instance(p->scene, p->objects[index].scene, &p->state.ctm) != SAG_INVALID_ID
-               ? SAG_OK
-               : sagi_pbrt_out_of_memory(p);
-}
-
 // ---- transforms
 
 // Numbers, in brackets or not.
@@ -181,13 +124,21 @@ static sag_status read_numbers(sagi_pbrt *p, sagi_place place, double *numbers, 
     return SAG_OK;
 }
 
+sag_affine sagi_pbrt_transform_now(const sagi_pbrt *p) {
+    return p->solid.scene ? sag_affine_multiply(&p->solid.to_outside, &p->state.ctm) : p->state.ctm;
+}
+
+// A transform from the outermost space, which a solid's is brought back from.
 static void set(sagi_pbrt *p, const sag_affine *a) {
-    if (!p->state.end_time_only) p->state.ctm = *a;
+    if (p->state.end_time_only) return;
+    p->state.ctm = *a;
+    sag_affine inverse;
+    if (p->solid.scene && sag_affine_inverse(&p->solid.to_outside, &inverse))
+        p->state.ctm = sag_affine_multiply(&inverse, a);
 }
 
 static void concatenate(sagi_pbrt *p, const sag_affine *a) {
-    const sag_affine product = sag_affine_multiply(&p->state.ctm, a);
-    set(p, &product);
+    if (!p->state.end_time_only) p->state.ctm = sag_affine_multiply(&p->state.ctm, a);
 }
 
 sag_status sagi_pbrt_identity(sagi_pbrt *p, sagi_place place) {
@@ -279,7 +230,7 @@ bool sagi_pbrt_name_system(sagi_pbrt *p, sagi_slice name) {
     if (!sagi_pbrt_reserve(p, &systems, &p->system_allocated, p->system_count, sizeof *p->systems))
         return false;
     p->systems = systems;
-    p->systems[p->system_count] = p->state.ctm;
+    p->systems[p->system_count] = sagi_pbrt_transform_now(p);
     return sagi_names_set(&p->system_names, name, (uint32_t)p->system_count++);
 }
 

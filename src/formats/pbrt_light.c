@@ -125,6 +125,9 @@ sag_status sagi_pbrt_light_source(sagi_pbrt *p, sagi_place place) {
     char name[64];
     sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
     if (status != SAG_OK) return status;
+    if (p->solid.scene)
+        return sagi_place_error(place, p->error,
+                                "LightSource within a solid, of which it can be no part: put it outside");
     status = sagi_pbrt_parameters(p, place, SAGI_TARGET_LIGHT, "LightSource \"%.60s\"", name);
     if (status != SAG_OK || p->options->geometry_only) return status;
     const double scale = sagi_params_float(&p->params, "scale", 1);

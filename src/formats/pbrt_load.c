@@ -5,6 +5,7 @@
 #include "formats/pbrt.h"
 
 #include "formats/pbrt_blocks.h"
+#include "formats/pbrt_solid.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -262,10 +263,6 @@ static sag_status medium_interface_directive(sagi_pbrt *p, sagi_place place) {
     return status;
 }
 
-static sag_status solid_directive(sagi_pbrt *p, sagi_place place) {
-    return sagi_place_error(place, p->error, "SolidBegin and SolidEnd are not supported yet");
-}
-
 static sag_status world_begin(sagi_pbrt *p, sagi_place place) {
     if (p->saved_count) return sagi_place_error(place, p->error, "WorldBegin within a block");
     p->in_world = true;
@@ -322,8 +319,8 @@ static const struct {
     {"Option", BEFORE, option_directive},
     {"Include", ANYWHERE, include_directive},
     {"Import", AFTER, import_directive},
-    {"SolidBegin", AFTER, solid_directive},
-    {"SolidEnd", AFTER, solid_directive},
+    {"SolidBegin", AFTER, sagi_pbrt_solid_begin},
+    {"SolidEnd", AFTER, sagi_pbrt_solid_end},
 };
 
 static sag_status read_directive(sagi_pbrt *p, const sagi_token *token) {
@@ -378,7 +375,9 @@ static void clear(sagi_pbrt *p) {
     sag_release(p->context, p->saved, p->saved_allocated * sizeof *p->saved);
     sag_release(p->context, p->attributes, p->attribute_allocated * sizeof *p->attributes);
     sag_release(p->context, p->objects, p->object_allocated * sizeof *p->objects);
+    sag_release(p->context, p->object_parts, p->object_part_allocated * sizeof *p->object_parts);
     sag_release(p->context, p->systems, p->system_allocated * sizeof *p->systems);
+    sagi_pbrt_solid_clear(p);
 }
 
 sag_status sagi_pbrt_load(sag_world *world, const char *path, const sagi_load_options *options,

@@ -11,6 +11,7 @@
 // The mesh's area after the transform, for lights given by power.
 static double placed_area(const sagi_pbrt *p, const sagi_mesh_data *mesh) {
     double area = 0;
+    const sag_affine now = sagi_pbrt_transform_now(p);
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         sag_vec3 v[3];
         for (int k = 0; k < 3; k++) {
@@ -21,7 +22,7 @@ static double placed_area(const sagi_pbrt *p, const sagi_mesh_data *mesh) {
                                     mesh->positions_f64[at + 2])
                     : sag_vec3_make((double)mesh->positions_f32[at], (double)mesh->positions_f32[at + 1],
                                     (double)mesh->positions_f32[at + 2]);
-            v[k] = sag_affine_point(&p->state.ctm, q);
+            v[k] = sag_affine_point(&now, q);
         }
         const double twice = sag_length(sag_cross(sag_sub(v[1], v[0]), sag_sub(v[2], v[0])));
         if (isfinite(twice)) area += twice / 2;
@@ -217,12 +218,11 @@ sag_status sagi_pbrt_polygon(sagi_pbrt *p) {
                                      .loop_sizes = sizes,
                                      .loop_count = (uint32_t)loops_used};
         sag_error reason = {0};
-        const double factor = cbrt(fabs(sag_affine_determinant(&p->state.ctm)));
         if (sag_polygon_validate(&polygon, &reason) != SAG_OK)
             status = sagi_params_fail(params, NULL, "%.380s", reason.message);
         else
             status = sagi_pbrt_add(p, SAG_SHAPE_POLYGON, &polygon,
-                                   sag_polygon_area(&polygon) * factor * factor, &p->state.ctm);
+                                   sag_polygon_area(&polygon) * sagi_pbrt_area_factor(p), &p->state.ctm);
     }
     sag_release(p->context, points, n * sizeof *points);
     sag_release(p->context, sizes, loops_used * sizeof *sizes);
@@ -243,7 +243,6 @@ sag_status sagi_pbrt_spheres(sagi_pbrt *p) {
                                  .radius = sagi_params_float(params, "radius", 1),
                                  .count = (uint32_t)(count / 3)};
     sag_error reason = {0};
-    const double factor = cbrt(fabs(sag_affine_determinant(&p->state.ctm)));
     if (status == SAG_OK && params->status == SAG_OK && sag_spheres_validate(&spheres, &reason) != SAG_OK)
         status = sagi_params_fail(params, NULL, "%.380s", reason.message);
     uint32_t dropped = 0;
@@ -261,7 +260,8 @@ sag_status sagi_pbrt_spheres(sagi_pbrt *p) {
     if (status == SAG_OK)
         status = sagi_pbrt_add(
             p, SAG_SHAPE_SPHERES, &spheres,
-            p->state.area_light.power > 0 ? sag_spheres_area(&spheres) * factor * factor : 0, &p->state.ctm);
+            p->state.area_light.power > 0 ? sag_spheres_area(&spheres) * sagi_pbrt_area_factor(p) : 0,
+            &p->state.ctm);
     sag_release(p->context, radii, count / 3 * sizeof(float));
     return status;
 }

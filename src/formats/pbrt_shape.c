@@ -6,6 +6,7 @@
 // transform. Sides: the scene keeps outside outside under mirroring maps, which is what pbrt's "swaps
 // handedness" does for a normal made by a cross product; so ReverseOrientation alone turns the front.
 #include "formats/pbrt_shape.h"
+#include "formats/pbrt_solid.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +26,10 @@ static double number(sagi_pbrt *p, const char *name, double otherwise) {
 // "phimax" in degrees; 360 gives 2π exactly.
 static double sweep(sagi_pbrt *p) { return number(p, "phimax", 360) / 180 * PI; }
 
-static bool closed(sagi_pbrt *p) { return sagi_params_bool(&p->params, "closed", false); }
+// In a solid what can be closed is.
+static bool closed(sagi_pbrt *p) {
+    return sagi_params_bool(&p->params, "closed", false) || p->solid.scene != NULL;
+}
 
 // ---- placing
 
@@ -38,9 +42,44 @@ static sag_rgb emission_of(const sagi_pbrt *p, double area) {
     return (sag_rgb){light->radiance.r * scale, light->radiance.g * scale, light->radiance.b * scale};
 }
 
+double sagi_pbrt_area_factor(const sagi_pbrt *p) {
+    const sag_affine now = sagi_pbrt_transform_now(p);
+    const double factor = cbrt(fabs(sag_affine_determinant(&now)));
+    return factor * factor;
+}
+
+// Material, alpha and light of the shape being read.
+static sag_appearance look_of(sagi_pbrt *p, double area) {
+    sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
+    look.alpha = sagi_pbrt_float_input(p, "alpha", 1);
+    if (look.alpha.texture == 0 && look.alpha.value.r != 1)
+        sagi_pbrt_warn_once(p, p->params.place, "alpha", "%s: a constant \"alpha\" is not supported",
+                            p->params.what);
+    if (look.alpha.texture && p->solid.scene) {
+        sagi_pbrt_warn_once(p, p->params.place, "alpha of solids",
+                            "%s: the \"alpha\" of a solid's part is not supported: all of it is there",
+                            p->params.what);
+        look.alpha = (sag_input){.value = {1, 1, 1}};
+    }
+    if (p->state.area_light.on && p->in_object && !p->solid.scene) {
+        sagi_pbrt_warn_once(p, p->params.place, "object lights",
+                            "area lights within objects are not supported: they do not shine");
+    } else if (p->state.area_light.on) {
+        look.emission = emission_of(p, area);
+        look.two_sided = p->state.area_light.two_sided;
+    }
+    return look;
+}
+
 sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
                          const sag_affine *placed) {
     if (p->params.status != SAG_OK) return p->params.status;
+    const char *const wrong = p->solid.scene ? sagi_pbrt_not_closed(kind, shape) : NULL;
+    if (wrong) return sagi_params_fail(&p->params, NULL, "it %s", wrong);
+    sag_appearance look = {0};
+    if (!p->options->geometry_only) look = look_of(p, area);
+    if (p->params.status != SAG_OK) return p->params.status;
+    if (p->solid.scene) return sagi_pbrt_solid_shape(p, p->params.place, kind, shape, placed, &look);
     const uint32_t geometry = sag_add_shape(p->scene, kind, shape);
     if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
     if (!sag_affine_is_identity(placed)) {
@@ -48,19 +87,11 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
         if (status == SAG_ERROR_MEMORY) return sagi_pbrt_out_of_memory(p);
         if (status != SAG_OK) return sagi_params_fail(&p->params, NULL, "the transform is singular");
     }
-    if (p->options->geometry_only) return SAG_OK;
-    sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
-    look.alpha = sagi_pbrt_float_input(p, "alpha", 1);
-    if (look.alpha.texture == 0 && look.alpha.value.r != 1)
-        sagi_pbrt_warn_once(p, p->params.place, "alpha", "%s: a constant \"alpha\" is not supported",
-                            p->params.what);
-    if (p->state.area_light.on && p->in_object) {
-        sagi_pbrt_warn_once(p, p->params.place, "object lights",
-                            "area lights within objects are not supported: they do not shine");
-    } else if (p->state.area_light.on) {
-        look.emission = emission_of(p, area);
-        look.two_sided = p->state.area_light.two_sided;
+    if (p->in_object) {
+        const sag_status status = sagi_pbrt_object_part(p, p->params.place, geometry, &look, NULL);
+        if (status != SAG_OK) return status;
     }
+    if (p->options->geometry_only) return SAG_OK;
     const sag_status status = sag_world_set_appearance(p->world, p->scene, geometry, &look);
     if (status != SAG_OK) return sagi_pbrt_out_of_memory(p);
     return SAG_OK;
@@ -71,9 +102,7 @@ static sag_status add_checked(sagi_pbrt *p, sag_shape_kind kind, const void *sha
                               const sag_error *reason, double area) {
     if (p->params.status != SAG_OK) return p->params.status;
     if (check != SAG_OK) return sagi_params_fail(&p->params, NULL, "%.380s", reason->message);
-    // Lengths grow by the cube root of the volume's factor: right for similarities, near for others.
-    const double factor = cbrt(fabs(sag_affine_determinant(&p->state.ctm)));
-    return sagi_pbrt_add(p, kind, shape, area * factor * factor, &p->state.ctm);
+    return sagi_pbrt_add(p, kind, shape, area * sagi_pbrt_area_factor(p), &p->state.ctm);
 }
 
 #define ADD(KIND, name, shape)                                                                               \
@@ -248,6 +277,8 @@ static sag_status triangle(sagi_pbrt *p) {
 }
 
 static sag_status unsupported(sagi_pbrt *p, const char *name) {
+    if (p->solid.scene)
+        return sagi_params_fail(&p->params, NULL, "it is not supported, and a solid cannot do without");
     sagi_pbrt_warn_once(p, p->params.place, name, "the shape \"%s\" is not supported: left out", name);
     return SAG_OK;
 }

@@ -9,6 +9,9 @@
 // shape, for lights given by power; 0 when unknown.
 sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
                          const sag_affine *placed);
+// How much larger the current transform makes areas: lengths grow by the cube root of the volume's factor,
+// which is right for similarities and near for others.
+double sagi_pbrt_area_factor(const sagi_pbrt *p);
 
 // Shapes with arrays (pbrt_mesh.c).
 sag_status sagi_pbrt_plymesh(sagi_pbrt *p);

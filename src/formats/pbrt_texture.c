@@ -198,9 +198,10 @@ static sag_status read_texture(sagi_pbrt *p, sagi_place place, const char *kind,
         if (dimension != 2 && dimension != 3)
             return sagi_params_fail(&p->params, NULL, "dimension %d: it must be 2 or 3", dimension);
         texture->dimension = (uint32_t)dimension;
+        const sag_affine now = sagi_pbrt_transform_now(p);
         if (dimension == 2)
             read_mapping(p, place, texture);
-        else if (!sag_affine_inverse(&p->state.ctm, &texture->world_to_texture))
+        else if (!sag_affine_inverse(&now, &texture->world_to_texture))
             return sagi_params_fail(&p->params, NULL, "the transform is singular");
     } else if (strcmp(kind, "imagemap") == 0) {
         return read_image(p, place, texture);

@@ -23,6 +23,8 @@ sag_status sag_scene_set_solid(sag_scene *scene, const sag_solid *solid, sag_err
     return SAG_OK;
 }
 
+sag_solid sag_scene_get_solid(const sag_scene *scene) { return scene->solid; }
+
 sag_status sagi_snapshot_set_solid(sagi_snapshot *s, const sag_scene *scene, sag_error *error) {
     sag_status status = sagi_solid_compile(s->context, &scene->solid, scene->count, &s->solid, error);
     if (status != SAG_OK) return status;

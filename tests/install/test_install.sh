@@ -25,6 +25,14 @@ shape_alone="t = 2.5 at x = -2.5, entering
 t = 3.5 at x = -1.5, leaving
 t = 6.5 at x = 1.5, entering
 t = 7.5 at x = 2.5, leaving"
+solid="bead 0: cube at t = 4, entering
+bead 0: hole at t = 4.5, leaving, cut
+bead 0: hole at t = 5.5, entering, cut
+bead 0: cube at t = 6, leaving
+bead 1: cube at t = 8, entering
+bead 1: hole at t = 8.5, leaving, cut
+bead 1: hole at t = 9.5, entering, cut
+bead 1: cube at t = 10, leaving"
 
 echo "== CMake package"
 cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
@@ -33,6 +41,7 @@ cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$p
 for form in "" -shared; do
   expect "first_ray$form" "$first_ray" "$work/examples/first_ray$form"
   expect "shape_alone$form" "$shape_alone" "$work/examples/shape_alone$form"
+  expect "solid$form" "$solid" "$work/examples/solid$form"
   if [ -x "$work/examples/gradient$form" ]; then
     expect "render_sphere" "" "$work/examples/render_sphere" "$work/sphere.png"
     expect "gradient$form" "" "$work/examples/gradient$form" "$work/gradient$form.png"

@@ -78,7 +78,6 @@ static void test_errors_have_their_place(void **state) {
     scene_fails("Film \"rgb\" \"integer xresolution\" 100000 " W, 1, 1, "100000×720");
     scene_fails("Film \"rgb\" \"integer xresolution\" 1.5 " W, 1, 34, "not an integer");
     scene_fails("Sampler \"halton\" \"integer pixelsamples\" 0 " W, 1, 1, "0 samples");
-    scene_fails(W "SolidBegin \"union\"", 2, 1, "not supported yet");
     scene_fails(W "Include \"none.pbrt\"", 2, 1, "none.pbrt: cannot read: No such file");
     scene_fails(W "Include \"scene.pbrt\"", 2, 1, "includes itself");
     scene_fails(W "Import \"scene.pbrt\"", 2, 1, "includes itself");

@@ -43,6 +43,22 @@ has out 'disk'
 expect 0 info -q scene.pbrt
 [ -s err ] && fail "--quiet was not"
 
+# Solids: how many, of what, how large; the objects they are made of are no objects of the scene's.
+cat >solids.pbrt <<'END'
+WorldBegin
+ObjectBegin "pip" Shape "sphere" "float radius" 0.5 ObjectEnd
+SolidBegin "difference"
+  SolidBegin "intersection" Shape "box" Shape "sphere" "float radius" 1.4 SolidEnd
+  Translate 0 0 1 ObjectInstance "pip"
+SolidEnd
+END
+expect 0 info solids.pbrt
+has out 'solids  *2: 4 parts; 1 union, 1 intersection, 1 difference'
+has out '1  *3  *-1 -1 -1 to 1 1 1  *1 intersection, 1 difference'
+expect 0 info solids.pbrt --json
+has out '"solids":'
+has out '"differences":.*1'
+
 # Without a file: the program itself.
 expect 0 info --json
 has out '"threads":'
