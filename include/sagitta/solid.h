@@ -30,8 +30,8 @@
 /// grain of double precision at that place, are taken as one: the state before the first is compared with the
 /// state after the last, so that faces that coincide leave neither a sliver nor a gap, whatever part comes
 /// first. The boundary there belongs to the first part, in the order of the steps, whose crossing alone would
-/// have changed the solid, or where none would, to the first of those that cross. (tests/unit/test_solid.c,
-/// tests/oracle/test_solid_trees.c)
+/// have changed the solid, or where none would, to the first whose crossing does after those of the parts
+/// before it. (tests/unit/test_solid.c, tests/oracle/test_solid_trees.c)
 #ifndef SAGITTA_SOLID_H
 #define SAGITTA_SOLID_H
 

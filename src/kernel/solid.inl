@@ -299,37 +299,52 @@ static inline void take_group(solid_walk *w, solid_group *group) {
     } while (know_next(w) && next_event(w)->t - w->done <= tolerance(w, w->done));
 }
 
+static __attribute__((noinline, cold)) solid_event slow_choose(solid_walk *w, double from, double to,
+                                                               bool after);
+
+// The group's first crossing of the part, where it crosses an odd number of times, else NULL; *next becomes
+// the part after it.
+static inline const solid_event *crossing_of(const solid_group *group, uint32_t part, uint32_t *next) {
+    const solid_event *e = NULL;
+    bool odd = false;
+    *next = SAG_INVALID_ID;
+    for (uint32_t i = group->count; i-- > 0;) {
+        if (group->at[i].part > part && group->at[i].part < *next) *next = group->at[i].part;
+        if (group->at[i].part == part) e = &group->at[i], odd = !odd;
+    }
+    return odd ? e : NULL;
+}
+
 // Whose the boundary is: the first part whose crossing alone would have changed the solid, or where there is
-// none, the first that crosses. (Where more cross than are kept, the first of these: of crossings at the very
-// same t, those of the first parts are kept.)
-static __attribute__((noinline)) const solid_event *choose(solid_walk *w, const solid_group *group) {
-    const solid_event *first = NULL;
-    const uint32_t kept = group->count < SOLID_GROUP ? group->count : SOLID_GROUP;
-    const bool all = group->count == kept, after = w->value;
-    for (uint32_t i = 0; i < kept && all; i++) toggle(w, group->at[i].part, !group->at[i].entering);
-    for (uint32_t part = 0, next; part != SAG_INVALID_ID; part = next) {
-        const solid_event *e = NULL; // the part's first
-        uint32_t times = 0;
-        next = SAG_INVALID_ID;
-        for (uint32_t i = 0; i < kept; i++) {
-            if (group->at[i].part > part && group->at[i].part < next) next = group->at[i].part;
-            if (group->at[i].part != part) continue;
-            e = e == NULL ? &group->at[i] : e;
-            times++;
+// none, the first whose crossing does after those of the parts before it. `first` is the t of the group's
+// first crossing.
+static __attribute__((noinline)) const solid_event *choose(solid_walk *w, solid_group *group, double first) {
+    const bool after = w->value;
+    if (group->count > SOLID_GROUP) {
+        group->at[0] = slow_choose(w, sagi_next_down(first), w->done, after);
+        return &group->at[0];
+    }
+    for (uint32_t i = 0; i < group->count; i++) toggle(w, group->at[i].part, !group->at[i].entering);
+    const solid_event *owner = NULL;
+    for (int together = 0; together < 2 && owner == NULL; together++) {
+        uint32_t taken = 0;
+        for (uint32_t part = 0, next; part != SAG_INVALID_ID && owner == NULL; part = next) {
+            const solid_event *e = crossing_of(group, part, &next);
+            if (e == NULL) continue;
+            toggle(w, part, e->entering);
+            if (w->value == after) owner = e;
+            if (!together || owner != NULL)
+                toggle(w, part, !e->entering);
+            else
+                taken = part + 1;
         }
-        if (times % 2 == 0) continue;
-        if (first == NULL) first = e;
-        if (!all) break;
-        toggle(w, part, e->entering);
-        bool alone = w->value == after;
-        toggle(w, part, !e->entering);
-        if (alone) {
-            first = e;
-            break;
+        for (uint32_t part = 0, next; part < taken; part = next) { // as they were
+            const solid_event *e = crossing_of(group, part, &next);
+            if (e != NULL) toggle(w, part, !e->entering);
         }
     }
-    for (uint32_t i = 0; i < kept && all; i++) toggle(w, group->at[i].part, group->at[i].entering);
-    return first != NULL ? first : &group->at[0];
+    for (uint32_t i = 0; i < group->count; i++) toggle(w, group->at[i].part, group->at[i].entering);
+    return owner != NULL ? owner : &group->at[0];
 }
 
 static inline void take_hit(question asked, level *here, const sag_hit *hit) {
@@ -380,7 +395,7 @@ static inline bool begin_solid(solid_walk *w, level *here) {
     w->line = *here->ray;
     w->line.t_min = -INFINITY, w->line.t_max = INFINITY;
     w->reach = sag_max_component(sag_abs(w->line.origin)) / sag_max_component(sag_abs(w->line.direction));
-    w->done = here->ray->t_min - tolerance(w, here->ray->t_min);
+    w->done = sagi_next_down(here->ray->t_min - tolerance(w, here->ray->t_min));
     w->end = here->t_max + 4 * tolerance(w, here->t_max);
     w->value = w->crowded = w->waiting_cut = w->events_cut = false;
     w->opened = 0;
@@ -408,7 +423,7 @@ static __attribute__((noinline)) bool run_solid(question asked, level *here, boo
         if (w.crowded) break;
         complete = w.done;
         if (w.value == before) continue;
-        const solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group);
+        const solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group, group.at[0].t);
         solid_report done = report(asked, &w, e, !before);
         *inside = before;
         if (done != BEFORE && asked != ALL) return asked == ANY && done == TAKEN;

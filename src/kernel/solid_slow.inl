@@ -37,12 +37,13 @@ static void slow_close(const solid_walk *w, slow_path *path, uint32_t height) {
     }
 }
 
-// The solid's value just after `at`, but with part `other` as it is just after `there`.
-static bool slow_value(solid_walk *w, double at, uint32_t other, double there) {
+// The solid's value just after `at`, but with the parts from `first` to `last` as they are just after
+// `there`.
+static bool slow_value(solid_walk *w, double at, uint32_t first, uint32_t last, double there) {
     slow_path path = {.height = 1, .node = {0}, .number = {0}};
     for (uint32_t i = 0; i < w->solid->part_count; i++) {
         solid_event next;
-        if (!slow_state(w, i, i == other ? there : at, &next)) continue;
+        if (!slow_state(w, i, i >= first && i <= last ? there : at, &next)) continue;
         uint32_t above[SAG_SOLID_MAX_DEPTH], count = 0, common = 0;
         for (uint32_t n = w->parts[i].parent; n != SAG_INVALID_ID; n = w->nodes[n].parent) above[count++] = n;
         while (common < count && common < path.height && path.node[common] == above[count - 1 - common])
@@ -68,24 +69,25 @@ static double slow_next(solid_walk *w, double at) {
 }
 
 // As choose, for the crossings after `from` up to `to`.
-static solid_event slow_choose(solid_walk *w, double from, double to, bool after) {
-    solid_event first = {.part = SAG_INVALID_ID}, next, unused;
-    for (uint32_t i = 0; i < w->solid->part_count; i++) {
-        bool before = slow_state(w, i, from, &next);
-        if (!(next.t <= to) || slow_state(w, i, to, &unused) == before) continue;
-        if (first.part == SAG_INVALID_ID) first = next;
-        if (slow_value(w, from, i, to) == after) return next;
-    }
-    return first;
+static __attribute__((noinline, cold)) solid_event slow_choose(solid_walk *w, double from, double to,
+                                                               bool after) {
+    solid_event next = {.part = SAG_INVALID_ID}, unused;
+    for (int together = 0; together < 2; together++)
+        for (uint32_t i = 0; i < w->solid->part_count; i++) {
+            bool before = slow_state(w, i, from, &next);
+            if (!(next.t <= to) || slow_state(w, i, to, &unused) == before) continue;
+            if (slow_value(w, from, together ? 0 : i, i, to) == after) return next;
+        }
+    return next;
 }
 
 static __attribute__((noinline, cold)) bool slow_solid(question asked, solid_walk *w, double done,
                                                        bool *inside) {
-    bool value = slow_value(w, done, SAG_INVALID_ID, done);
+    bool value = slow_value(w, done, 0, 0, done);
     for (double t; (t = slow_next(w, done)) <= w->here->t_max;) {
         double last = t, next;
         while ((next = slow_next(w, last)) - last <= tolerance(w, last) && next < INFINITY) last = next;
-        bool after = slow_value(w, last, SAG_INVALID_ID, last);
+        bool after = slow_value(w, last, 0, 0, last);
         if (after != value) {
             solid_event e = slow_choose(w, done, last, after);
             solid_report told = report(asked, w, &e, after);
