@@ -56,20 +56,27 @@ typedef struct sagi_state {
     sagi_place place; // and where
 } sagi_state;
 
-// A geometry of an object, remembered for those who place the object in a solid.
-typedef struct sagi_object_part {
-    sag_scene *solid; // that it is an instance of; NULL: a shape
+// A geometry of an object or of a solid in one, remembered for those who place the object in a solid.
+typedef struct sagi_part {
+    sag_appearance look;
     sagi_place place;
-    uint32_t geometry, material;
-    bool flip;
-} sagi_object_part;
+    uint32_t geometry;
+    uint32_t solid; // that it is an instance of: index in the loader's + 1; 0: a shape
+} sagi_part;
 
 typedef struct sagi_object {
     sag_scene *scene;
-    sag_scene *solid; // all of it as a solid; NULL: nobody asked yet
+    uint32_t solid; // all of it as a solid: index + 1; 0: nobody asked yet
     size_t part_first, part_count;
     bool committed;
 } sagi_object;
+
+// A finished solid that may become part of others; its geometries' ids count from 0 as its parts do.
+typedef struct sagi_solid {
+    sag_scene *scene;
+    size_t part_first, part_count;
+    size_t weight; // parts, a mesh counting as many as it has triangles
+} sagi_solid;
 
 // An operation of a solid that is being read, with as many operands as it has so far.
 typedef struct sagi_solid_level {
@@ -87,8 +94,8 @@ typedef struct sagi_solid_reader {
     size_t step_count, step_allocated;
     sagi_solid_level *levels;
     size_t level_count, level_allocated;
-    sagi_place *parts; // where each geometry of it stands in the file
-    size_t part_count, part_allocated;
+    sagi_part *parts; // its geometries
+    size_t part_count, part_allocated, weight;
 } sagi_solid_reader;
 
 typedef struct sagi_pbrt {
@@ -110,8 +117,10 @@ typedef struct sagi_pbrt {
     sagi_names materials, float_textures, spectrum_textures, object_names, system_names, warned;
     sagi_object *objects;
     size_t object_count, object_allocated;
-    sagi_object_part *object_parts; // of all objects, one after the other
-    size_t object_part_count, object_part_allocated;
+    sagi_solid *solids; // that objects have
+    size_t solid_count, solid_allocated;
+    sagi_part *solid_parts, *object_parts; // of all of them, each one's in a row
+    size_t solid_part_count, solid_part_allocated, object_part_count, object_part_allocated;
     sag_affine *systems;
     size_t system_count, system_allocated;
     sag_scene *scene; // shapes go there: the world's, an object's or a solid's

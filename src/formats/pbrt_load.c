@@ -375,6 +375,8 @@ static void clear(sagi_pbrt *p) {
     sag_release(p->context, p->saved, p->saved_allocated * sizeof *p->saved);
     sag_release(p->context, p->attributes, p->attribute_allocated * sizeof *p->attributes);
     sag_release(p->context, p->objects, p->object_allocated * sizeof *p->objects);
+    sag_release(p->context, p->solids, p->solid_allocated * sizeof *p->solids);
+    sag_release(p->context, p->solid_parts, p->solid_part_allocated * sizeof *p->solid_parts);
     sag_release(p->context, p->object_parts, p->object_part_allocated * sizeof *p->object_parts);
     sag_release(p->context, p->systems, p->system_allocated * sizeof *p->systems);
     sagi_pbrt_solid_clear(p);

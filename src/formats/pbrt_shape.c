@@ -79,7 +79,10 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
     sag_appearance look = {0};
     if (!p->options->geometry_only) look = look_of(p, area);
     if (p->params.status != SAG_OK) return p->params.status;
-    if (p->solid.scene) return sagi_pbrt_solid_shape(p, p->params.place, kind, shape, placed, &look);
+    if (p->solid.scene) {
+        sagi_pbrt_solid_operand(p);
+        return sagi_pbrt_solid_shape(p, p->params.place, kind, shape, placed, &look);
+    }
     const uint32_t geometry = sag_add_shape(p->scene, kind, shape);
     if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
     if (!sag_affine_is_identity(placed)) {
@@ -88,7 +91,7 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
         if (status != SAG_OK) return sagi_params_fail(&p->params, NULL, "the transform is singular");
     }
     if (p->in_object) {
-        const sag_status status = sagi_pbrt_object_part(p, p->params.place, geometry, &look, NULL);
+        const sag_status status = sagi_pbrt_object_part(p, p->params.place, geometry, &look, 0);
         if (status != SAG_OK) return status;
     }
     if (p->options->geometry_only) return SAG_OK;

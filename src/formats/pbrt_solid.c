@@ -80,15 +80,18 @@ sag_status sagi_pbrt_solid_step(sagi_pbrt *p, sag_solid_operation operation, uin
     return SAG_OK;
 }
 
+void sagi_pbrt_solid_operand(sagi_pbrt *p) { p->solid.levels[p->solid.level_count - 1].operand_count++; }
+
 // A geometry of the solid's scene; their ids count up from 0.
-static sag_status add_part(sagi_pbrt *p, sagi_place place, uint32_t geometry) {
+static sag_status add_part(sagi_pbrt *p, const sagi_part *part, size_t weight) {
     sagi_solid_reader *s = &p->solid;
     void *parts = s->parts;
     if (!sagi_pbrt_reserve(p, &parts, &s->part_allocated, s->part_count, sizeof *s->parts))
         return sagi_pbrt_out_of_memory(p);
     s->parts = parts;
-    s->parts[s->part_count++] = place;
-    return sagi_pbrt_solid_step(p, SAG_SOLID_PART, geometry);
+    s->parts[s->part_count++] = *part;
+    s->weight += weight;
+    return sagi_pbrt_solid_step(p, SAG_SOLID_PART, part->geometry);
 }
 
 static sag_status add_shape(sagi_pbrt *p, sagi_place place, sag_shape_kind kind, const void *shape,
@@ -105,7 +108,9 @@ static sag_status add_shape(sagi_pbrt *p, sagi_place place, sag_shape_kind kind,
     if (status == SAG_ERROR_GEOMETRY) return sagi_place_error(place, p->error, "the transform is singular");
     if (status == SAG_OK && !p->options->geometry_only)
         status = sag_world_set_appearance(p->world, scene, geometry, look);
-    return status == SAG_OK ? add_part(p, place, geometry) : sagi_pbrt_out_of_memory(p);
+    if (status != SAG_OK) return sagi_pbrt_out_of_memory(p);
+    const size_t weight = kind == SAG_SHAPE_MESH ? ((const sag_mesh *)shape)->triangle_count : 1;
+    return add_part(p, &(sagi_part){.look = *look, .place = place, .geometry = geometry}, weight);
 }
 
 // One sphere of a set; false for one that a scene drops.
@@ -136,16 +141,15 @@ static sag_status add_spheres(sagi_pbrt *p, sagi_place place, const sag_spheres 
 
 sag_status sagi_pbrt_solid_shape(sagi_pbrt *p, sagi_place place, sag_shape_kind kind, const void *shape,
                                  const sag_affine *placed, const sag_appearance *look) {
-    p->solid.levels[p->solid.level_count - 1].operand_count++;
     return kind == SAG_SHAPE_SPHERES ? add_spheres(p, place, shape, placed, look)
                                      : add_shape(p, place, kind, shape, placed, look);
 }
 
-sag_status sagi_pbrt_solid_instance(sagi_pbrt *p, sagi_place place, sag_scene *solid,
+sag_status sagi_pbrt_solid_instance(sagi_pbrt *p, sagi_place place, uint32_t solid,
                                     const sag_affine *placed) {
-    p->solid.levels[p->solid.level_count - 1].operand_count++;
-    const uint32_t geometry = sag_add_instance(p->solid.scene, solid, placed);
-    return geometry == SAG_INVALID_ID ? sagi_pbrt_out_of_memory(p) : add_part(p, place, geometry);
+    const uint32_t geometry = sag_add_instance(p->solid.scene, p->solids[solid].scene, placed);
+    if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
+    return add_part(p, &(sagi_part){.place = place, .geometry = geometry, .solid = solid + 1}, 1);
 }
 
 // ---- the scene
@@ -160,16 +164,38 @@ static bool find_geometry(const char *message, size_t count, size_t *found) {
     return end != at + 9 && number < count;
 }
 
-sag_status sagi_pbrt_solid_commit(sagi_pbrt *p, sagi_place place) {
+// Keeps the solid that is open for others.
+static sag_status keep(sagi_pbrt *p, uint32_t *index) {
+    const sagi_solid_reader *s = &p->solid;
+    void *solids = p->solids;
+    if (!sagi_pbrt_reserve(p, &solids, &p->solid_allocated, p->solid_count, sizeof *p->solids))
+        return sagi_pbrt_out_of_memory(p);
+    p->solids = solids;
+    const size_t first = p->solid_part_count;
+    for (size_t i = 0; i < s->part_count; i++) {
+        void *parts = p->solid_parts;
+        if (!sagi_pbrt_reserve(p, &parts, &p->solid_part_allocated, p->solid_part_count,
+                               sizeof *p->solid_parts))
+            return sagi_pbrt_out_of_memory(p);
+        p->solid_parts = parts;
+        p->solid_parts[p->solid_part_count++] = s->parts[i];
+    }
+    p->solids[p->solid_count] = (sagi_solid){
+        .scene = s->scene, .part_first = first, .part_count = s->part_count, .weight = s->weight};
+    *index = (uint32_t)p->solid_count++;
+    return SAG_OK;
+}
+
+sag_status sagi_pbrt_solid_commit(sagi_pbrt *p, sagi_place place, uint32_t *index) {
     sagi_solid_reader *s = &p->solid;
     const sag_solid solid = {s->steps, (uint32_t)s->step_count};
     sag_error reason = {0};
     sag_status status = sag_scene_set_solid(s->scene, &solid, &reason);
     if (status == SAG_OK) status = sag_scene_commit(s->scene, &reason);
-    if (status == SAG_OK) return SAG_OK;
+    if (status == SAG_OK) return index ? keep(p, index) : SAG_OK;
     size_t geometry;
     if (status == SAG_ERROR_GEOMETRY && find_geometry(reason.message, s->part_count, &geometry))
-        sagi_place_error(s->parts[geometry], p->error, "this cannot be a part of a solid: %.400s",
+        sagi_place_error(s->parts[geometry].place, p->error, "this cannot be a part of a solid: %.400s",
                          reason.message);
     else
         sagi_place_error(place, p->error, "the solid cannot be built: %.400s", reason.message);
@@ -202,7 +228,7 @@ static sag_status open_scene(sagi_pbrt *p, sagi_place place) {
     s->scene = scene;
     s->outside = p->scene;
     s->to_outside = p->state.ctm;
-    s->step_count = s->part_count = 0;
+    s->step_count = s->part_count = s->weight = 0;
     p->scene = scene;
     p->state.ctm = sag_affine_identity();
     return SAG_OK;
@@ -230,17 +256,19 @@ sag_status sagi_pbrt_solid_begin(sagi_pbrt *p, sagi_place place) {
     return SAG_OK;
 }
 
-// The whole solid has been read: builds it and places it where it belongs.
+// The whole solid has been read: builds it and places it where it belongs. Within an object the object has
+// it.
 static sag_status close_scene(sagi_pbrt *p, sagi_place place) {
     sagi_solid_reader *s = &p->solid;
     sag_scene *const scene = s->scene;
+    uint32_t index = 0;
     p->scene = s->outside;
-    sag_status status = sagi_pbrt_solid_commit(p, place);
+    sag_status status = sagi_pbrt_solid_commit(p, place, p->in_object ? &index : NULL);
     s->scene = NULL;
     if (status != SAG_OK) return status;
     const uint32_t geometry = sag_add_instance(p->scene, scene, &s->to_outside);
     if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
-    return p->in_object ? sagi_pbrt_object_part(p, place, geometry, NULL, scene) : SAG_OK;
+    return p->in_object ? sagi_pbrt_object_part(p, place, geometry, NULL, index + 1) : SAG_OK;
 }
 
 sag_status sagi_pbrt_solid_end(sagi_pbrt *p, sagi_place place) {

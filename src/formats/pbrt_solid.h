@@ -12,21 +12,23 @@ void sagi_pbrt_solid_clear(sagi_pbrt *p);
 // Why a shape is no body, and so nothing for a solid: "has no inside …". NULL: it may be one; whether a mesh
 // or quadric is closed shows when the solid is committed.
 const char *sagi_pbrt_not_closed(sag_shape_kind kind, const void *shape);
-// A shape that passed this becomes the next operand of the open solid. A set of spheres is their union.
+// What comes next is one more operand of the operation that is open.
+void sagi_pbrt_solid_operand(sagi_pbrt *p);
+// Adds a shape that passed sagi_pbrt_not_closed, as a step. A set of spheres is their union.
 sag_status sagi_pbrt_solid_shape(sagi_pbrt *p, sagi_place place, sag_shape_kind kind, const void *shape,
                                  const sag_affine *placed, const sag_appearance *look);
-// So does a finished solid.
-sag_status sagi_pbrt_solid_instance(sagi_pbrt *p, sagi_place place, sag_scene *solid,
-                                    const sag_affine *placed);
-// Ends the open solid: makes its scene a solid by the steps read and commits it. An error about a geometry
-// has the place of that in the file, any other the solid's.
-sag_status sagi_pbrt_solid_commit(sagi_pbrt *p, sagi_place place);
-// A step of the open solid, after all of its operands.
+// Adds an instance of a finished solid (index in p->solids), as a step.
+sag_status sagi_pbrt_solid_instance(sagi_pbrt *p, sagi_place place, uint32_t solid, const sag_affine *placed);
+// Adds an operation, after all of its operands.
 sag_status sagi_pbrt_solid_step(sagi_pbrt *p, sag_solid_operation operation, uint32_t number);
+// Ends the open solid: makes its scene a solid by the steps read and commits it. An error about a geometry
+// has the place of that in the file, any other the solid's. With `index` it is kept in p->solids for others.
+sag_status sagi_pbrt_solid_commit(sagi_pbrt *p, sagi_place place, uint32_t *index);
 
-// A geometry of the open object (pbrt_object.c); `solid` when it is an instance of one.
+// A geometry of the open object (pbrt_object.c); `solid` is index + 1 of the one that it is an instance of,
+// or 0.
 sag_status sagi_pbrt_object_part(sagi_pbrt *p, sagi_place place, uint32_t geometry,
-                                 const sag_appearance *look, sag_scene *solid);
+                                 const sag_appearance *look, uint32_t solid);
 sag_status sagi_pbrt_object_begin(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_object_end(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place);
