@@ -433,8 +433,24 @@ static __attribute__((noinline)) bool run_solid(question asked, level *here, boo
     return false;
 }
 
+// Whether the ray begins in the solid, as one crossing or none: parity is asked for. (Where a solid goes on
+// for ever, the number of crossings would not tell.)
+static __attribute__((noinline)) void count_inside(level *here) {
+    sag_hit hit;
+    search s = {.best = &hit};
+    level there;
+    bool inside;
+    enter(&there, here->world, here->ray, &s);
+    run_solid(CLOSEST, &there, &inside);
+    here->search->collector.count += inside;
+}
+
 static bool search_solid(question asked, level *here) {
     bool inside;
     if (asked == ALL && here->search->repeats.again) return false; // collected in the first walk
+    if (asked == ALL && here->search->both_sides && here->search->visitor == NULL) {
+        count_inside(here);
+        return false;
+    }
     return run_solid(asked, here, &inside);
 }

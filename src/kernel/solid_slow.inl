@@ -84,7 +84,7 @@ static __attribute__((noinline, cold)) solid_event slow_choose(solid_walk *w, do
 static __attribute__((noinline, cold)) bool slow_solid(question asked, solid_walk *w, double done,
                                                        bool *inside) {
     bool value = slow_value(w, done, 0, 0, done);
-    for (double t; (t = slow_next(w, done)) <= w->here->t_max;) {
+    for (double t; (t = slow_next(w, done)) <= w->here->t_max && t < INFINITY;) {
         double last = t, next;
         while ((next = slow_next(w, last)) - last <= tolerance(w, last) && next < INFINITY) last = next;
         bool after = slow_value(w, last, 0, 0, last);
