@@ -299,8 +299,7 @@ static inline void take_group(solid_walk *w, solid_group *group) {
     } while (know_next(w) && next_event(w)->t - w->done <= tolerance(w, w->done));
 }
 
-static __attribute__((noinline, cold)) solid_event slow_choose(solid_walk *w, double from, double to,
-                                                               bool after);
+static __attribute__((noinline, cold)) solid_event choose_from_all(solid_walk *w, double from, double to);
 
 // The group's first crossing of the part, where it crosses an odd number of times, else NULL; *next becomes
 // the part after it.
@@ -321,7 +320,7 @@ static inline const solid_event *crossing_of(const solid_group *group, uint32_t 
 static __attribute__((noinline)) const solid_event *choose(solid_walk *w, solid_group *group, double first) {
     const bool after = w->value;
     if (group->count > SOLID_GROUP) {
-        group->at[0] = slow_choose(w, sagi_next_down(first), w->done, after);
+        group->at[0] = choose_from_all(w, sagi_next_down(first), w->done);
         return &group->at[0];
     }
     for (uint32_t i = 0; i < group->count; i++) toggle(w, group->at[i].part, !group->at[i].entering);
@@ -421,9 +420,13 @@ static __attribute__((noinline)) bool run_solid(question asked, level *here, boo
         bool before = w.value;
         take_group(&w, &group);
         if (w.crowded) break;
-        complete = w.done;
-        if (w.value == before) continue;
+        if (w.value == before) {
+            complete = w.done;
+            continue;
+        }
         const solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group, group.at[0].t);
+        if (w.crowded) break;
+        complete = w.done;
         solid_report done = report(asked, &w, e, !before);
         *inside = before;
         if (done != BEFORE && asked != ALL) return asked == ANY && done == TAKEN;

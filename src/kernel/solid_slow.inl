@@ -81,6 +81,28 @@ static __attribute__((noinline, cold)) solid_event slow_choose(solid_walk *w, do
     return next;
 }
 
+// As choose, for a group of more crossings than are kept, those after `from` up to `to`.
+static __attribute__((noinline, cold)) solid_event choose_from_all(solid_walk *w, double from, double to) {
+    enum { BACK, ALONE, TOGETHER, FORTH };
+    const bool after = w->value;
+    const uint32_t count = w->solid->part_count;
+    solid_event owner = {.part = SAG_INVALID_ID}, next, unused;
+    uint32_t forth = 0; // parts below are in the state after
+    for (int pass = BACK; pass <= FORTH; pass++) {
+        if (pass == TOGETHER && owner.part != SAG_INVALID_ID) continue;
+        for (uint32_t i = pass == FORTH ? forth : 0; i < count; i++) {
+            bool before = slow_state(w, i, from, &next);
+            if (!(next.t <= to) || slow_state(w, i, to, &unused) == before) continue;
+            toggle(w, i, pass == BACK ? before : !before);
+            if ((pass == ALONE || pass == TOGETHER) && w->value == after) owner = next;
+            if (pass == ALONE) toggle(w, i, before);
+            if (pass == TOGETHER) forth = i + 1;
+            if (owner.part == i && pass != FORTH) break;
+        }
+    }
+    return owner;
+}
+
 static __attribute__((noinline, cold)) bool slow_solid(question asked, solid_walk *w, double done,
                                                        bool *inside) {
     bool value = slow_value(w, done, 0, 0, done);
