@@ -12,6 +12,7 @@
 #include "shapes/closed.h"
 #include "shapes/common.h"
 #include "shapes/mesh.h"
+#include "shapes/outline.h"
 #include "shapes/sphere_solve.h"
 #include "shapes/spheres.h"
 #include "shapes/triangle_solve.h"

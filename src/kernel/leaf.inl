@@ -152,6 +152,16 @@ static inline bool single_run(question asked, level *here, sag_shape_kind kind,
         local_ray at = {.item = NULL};
         const sag_ray *ray = sees(here, item) ? local(here, item, &at) : NULL;
         if (ray == NULL) continue;
+        if (asked != ALL && item->outline != NULL) {
+            double t;
+            uint32_t primitive;
+            const sagi_first first = sagi_outline_first(item->outline, ray, &t, &primitive);
+            if (first == SAGI_FIRST_NONE) continue;
+            if (first == SAGI_FIRST_HIT) {
+                if (accept(asked, here, refs[i].geometry, primitive, t, 0, 0)) return true;
+                continue;
+            }
+        }
         sag_hit hits[SAGI_MAX_CROSSINGS];
         size_t found = ask(asked, kind, item->shape, ray, hits);
         if (asked == ANY && found > 0) return here->search->found = true;

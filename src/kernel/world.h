@@ -24,9 +24,10 @@ typedef struct sagi_item {
     const void *shape;       // its struct; a mesh's with the vertices where they stand in the scene
     const sagi_world *child; // of an instance; of a mesh that is a part of a solid: a world of it alone
     const sagi_place *place; // NULL: the identity, and always for meshes
-    uint32_t mask;           // never 0
-    uint8_t kind;            // sag_shape_kind
-    bool mirrored;           // a mesh whose transform turned its triangles' sense of rotation
+    const struct sagi_outline *outline; // of some closed quadrics, else NULL (shapes/outline.h)
+    uint32_t mask;                      // never 0
+    uint8_t kind;                       // sag_shape_kind
+    bool mirrored;                      // a mesh whose transform turned its triangles' sense of rotation
 } sagi_item;
 
 struct sagi_world {

@@ -56,6 +56,7 @@ static sag_status fill(sagi_snapshot *s, const sagi_snapshot *before, const sagi
     item->kind = (uint8_t)g->kind;
     item->mask = g->mask != 0 ? g->mask : UINT32_MAX;
     item->shape = g->store != NULL ? g->store->shape : NULL;
+    item->outline = g->store != NULL ? g->store->outline : NULL;
     item->place = g->placed ? &e->place : NULL;
     s->stats.geometry_count++;
     s->stats.geometry_bytes += g->store != NULL ? g->store->bytes : 0;

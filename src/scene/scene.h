@@ -11,6 +11,7 @@
 
 #include "kernel/block.h"
 #include "kernel/kernel.h"
+#include "shapes/outline.h"
 #include "shapes/sphere.h"
 #include "solid/tree.h"
 #include <stdatomic.h>
@@ -22,6 +23,7 @@ typedef struct sagi_store {
     const sag_context *context;
     size_t bytes; // of the whole block
     const void *shape;
+    const sagi_outline *outline; // NULL: it has none
     _Atomic double area;        // NAN until someone asked; every thread would find the same
     _Atomic uint8_t closedness; // likewise: 0, or what solid_check.c says
 } sagi_store;

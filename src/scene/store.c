@@ -76,6 +76,7 @@ static sagi_store *allocate(const sag_context *context, size_t bytes, unsigned c
     atomic_init(&store->closedness, 0);
     store->context = context;
     store->bytes = head + bytes;
+    store->outline = NULL;
     *rest = (unsigned char *)store + head;
     return store;
 }
@@ -83,7 +84,10 @@ static sagi_store *allocate(const sag_context *context, size_t bytes, unsigned c
 sagi_store *sagi_store_create_empty(const sag_context *context, sag_shape_kind kind, const void *shape) {
     sagi_part parts[SAGI_MAX_PARTS] = {{NULL, 0}};
     int count = sagi_shape_parts(kind, shape, parts);
+    sagi_outline outline;
+    const bool has_outline = sagi_shape_has_outline(kind) && sagi_shape_outline(kind, shape, &outline);
     size_t struct_bytes = sagi_shape_classes[kind].struct_bytes, bytes = aligned(struct_bytes);
+    if (has_outline) bytes += aligned(sizeof outline);
     for (int i = 0; i < count; i++) bytes += parts[i].from != NULL ? aligned(parts[i].bytes) : 0;
     unsigned char *at;
     sagi_store *store = allocate(context, bytes, &at);
@@ -99,6 +103,7 @@ sagi_store *sagi_store_create_empty(const sag_context *context, sag_shape_kind k
     }
     point_at_copies(kind, copy, copies);
     store->shape = copy;
+    if (has_outline) store->outline = memcpy(at, &outline, sizeof outline);
     return store;
 }
 

@@ -7,22 +7,6 @@
 // cross over.
 #include "shapes/axial.h"
 
-typedef struct cut {
-    double enter, leave;
-    uint32_t enter_cap, leave_cap;
-} cut;
-
-static cut cut_planes(double z_min, double z_max, const sag_ray *ray) {
-    double o = ray->origin.z, d = ray->direction.z;
-    if (d == 0) {
-        bool inside = o >= z_min && o <= z_max;
-        return (cut){inside ? -INFINITY : INFINITY, inside ? INFINITY : -INFINITY, 0, 0};
-    }
-    double low = (z_min - o) / d, high = (z_max - o) / d;
-    return d > 0 ? (cut){low, high, SAGI_CAP_LOW, SAGI_CAP_HIGH}
-                 : (cut){high, low, SAGI_CAP_HIGH, SAGI_CAP_LOW};
-}
-
 static void add(sagi_crossings *list, const sag_ray *ray, double t, uint32_t primitive) {
     if (isfinite(t) && sagi_in_range(ray, t)) sagi_crossings_add(list, t, 0, 0, primitive);
 }
@@ -30,7 +14,7 @@ static void add(sagi_crossings *list, const sag_ray *ray, double t, uint32_t pri
 void sagi_axial_collect(const sagi_spans *spans, double z_min, double z_max, bool closed, const sag_ray *ray,
                         sagi_crossings *list) {
     if (spans->count == 0) return;
-    cut c = cut_planes(z_min, z_max, ray);
+    const sagi_axial_cut c = sagi_cut_slab(z_min, z_max, ray->origin.z, ray->direction.z);
     for (int i = 0; i < spans->count; i++) {
         double enter = spans->enter[i], leave = spans->leave[i];
         if (closed) {

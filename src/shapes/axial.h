@@ -8,6 +8,22 @@
 
 enum { SAGI_CURVED, SAGI_CAP_LOW, SAGI_CAP_HIGH }; // primitives
 
+// Where a line is between the planes z = z_min and z = z_max, and which cap it enters and leaves by.
+typedef struct sagi_axial_cut {
+    double enter, leave;
+    uint32_t enter_cap, leave_cap;
+} sagi_axial_cut;
+
+static inline sagi_axial_cut sagi_cut_slab(double z_min, double z_max, double o, double d) {
+    if (d == 0) {
+        bool inside = o >= z_min && o <= z_max;
+        return (sagi_axial_cut){inside ? -INFINITY : INFINITY, inside ? INFINITY : -INFINITY, 0, 0};
+    }
+    double low = (z_min - o) / d, high = (z_max - o) / d;
+    return d > 0 ? (sagi_axial_cut){low, high, SAGI_CAP_LOW, SAGI_CAP_HIGH}
+                 : (sagi_axial_cut){high, low, SAGI_CAP_HIGH, SAGI_CAP_LOW};
+}
+
 // Keeps of the spans of {F ≤ 0} what lies in z_min ≤ z ≤ z_max (±INFINITY: not cut) and adds its ends that
 // are in the ray's range: closed, all ends, a cut one being a cap's (so their number is even); open, only
 // those that are roots of F.

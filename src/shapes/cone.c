@@ -8,6 +8,7 @@
 // through. A span between two roots crosses no apex plane but in the apex itself, so its middle tells. A span
 // without end goes up or down with the sign of d.z.
 #include "shapes/axial.h"
+#include "shapes/outline.h"
 
 static bool is_usable(const sag_cone *c) { return sag_cone_validate(c, NULL) == SAG_OK; }
 
@@ -67,6 +68,15 @@ static void collect(const sag_cone *c, const sag_ray *ray, sagi_crossings *list)
     }
     sagi_axial_collect(&below, 0, INFINITY, c->closed, ray, list);
     if (!c->closed) sagi_axial_sweep(c->phi_max_rad, ray, list);
+}
+
+bool sagi_cone_outline(const sag_cone *c, sagi_outline *p) {
+    if (!c->closed || !is_usable(c)) return false;
+    double size[2];
+    const sagi_quadric_form form = form_of(c, size);
+    if (!sagi_outline_make(&form, 0, INFINITY, p)) return false;
+    p->below = true;
+    return true;
 }
 
 bool sag_cone_hit(const sag_cone *c, const sag_ray *ray, sag_hit *hit) {

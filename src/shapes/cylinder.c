@@ -2,6 +2,7 @@
 // The cylinder F = x² + y² − r² between two planes. A ray parallel to the axis has no t² and no t in F: it is
 // inside for all t or for none, and meets only the caps.
 #include "shapes/axial.h"
+#include "shapes/outline.h"
 
 static bool is_usable(const sag_cylinder *c) { return sag_cylinder_validate(c, NULL) == SAG_OK; }
 
@@ -45,6 +46,13 @@ static void collect(const sag_cylinder *c, const sag_ray *ray, sagi_crossings *l
     sagi_spans spans = sagi_quadric_spans(&form, ray);
     sagi_axial_collect(&spans, c->z_min, c->z_max, c->closed, ray, list);
     if (!c->closed) sagi_axial_sweep(c->phi_max_rad, ray, list);
+}
+
+bool sagi_cylinder_outline(const sag_cylinder *c, sagi_outline *p) {
+    if (!c->closed || !is_usable(c)) return false;
+    double radius;
+    const sagi_quadric_form form = form_of(c, &radius);
+    return sagi_outline_make(&form, c->z_min, c->z_max, p);
 }
 
 bool sag_cylinder_hit(const sag_cylinder *c, const sag_ray *ray, sag_hit *hit) {

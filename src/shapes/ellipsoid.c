@@ -8,6 +8,7 @@
 // over the sphere is Carlson's R_G of the squares (NIST DLMF 19.33.1). A point of the sphere kept with
 // probability J/max J is uniform on the ellipsoid; at least half of them are kept, whatever the radii.
 #include "shapes/carlson.h"
+#include "shapes/outline.h"
 #include "shapes/quadric_solve.h"
 #include "shapes/sphere.h"
 #include "shapes/stream.h"
@@ -67,6 +68,13 @@ static void collect(const sag_ellipsoid *e, const sag_ray *ray, sagi_crossings *
     if (spans.count == 0) return;
     if (sagi_in_range(ray, spans.enter[0])) sagi_crossings_add(list, spans.enter[0], 0, 0, 0);
     if (sagi_in_range(ray, spans.leave[0])) sagi_crossings_add(list, spans.leave[0], 0, 0, 0);
+}
+
+bool sagi_ellipsoid_outline(const sag_ellipsoid *e, sagi_outline *p) {
+    if (!is_usable(e)) return false;
+    sag_vec3 radii;
+    const sagi_quadric_form form = form_of(e, &radii);
+    return sagi_outline_make(&form, -INFINITY, INFINITY, p);
 }
 
 bool sag_ellipsoid_hit(const sag_ellipsoid *e, const sag_ray *ray, sag_hit *hit) {

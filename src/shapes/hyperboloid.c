@@ -11,6 +11,7 @@
 // whose two products may cancel. Its error is relative to them; by 2|x₁Δx Δz ζ| ≤ x₁²Δz² + Δx²ζ² it is
 // covered by the other terms' magnitudes, which is what the solver's bounds are relative to.
 #include "shapes/hyperboloid.h"
+#include "shapes/outline.h"
 
 static bool is_usable(const sag_hyperboloid *h) { return sag_hyperboloid_validate(h, NULL) == SAG_OK; }
 
@@ -122,6 +123,13 @@ static void collect(const sag_hyperboloid *h, const sag_ray *ray, sagi_crossings
     for (int i = 0; i < list->count; i++)
         if (is_swept(h, ray, list->at[i].t)) list->at[kept++] = list->at[i];
     list->count = kept;
+}
+
+bool sagi_hyperboloid_outline(const sag_hyperboloid *h, sagi_outline *p) {
+    if (!h->closed || !is_usable(h) || is_ring(h)) return false;
+    sag_hyperboloid own;
+    const sagi_quadric_form form = form_of(h, &own);
+    return sagi_outline_make(&form, fmin(h->p1.z, h->p2.z), fmax(h->p1.z, h->p2.z), p);
 }
 
 bool sag_hyperboloid_hit(const sag_hyperboloid *h, const sag_ray *ray, sag_hit *hit) {

@@ -7,6 +7,7 @@
 // where w₁² − w₀² = k (z₁ − z₀) takes k out: A = φ (2/3) (z₁ − z₀) (w₁² + w₁w₀ + w₀²)/(w₁ + w₀). A uniform
 // point has w³ = w₀³ + ξ (w₁³ − w₀³), and z = z₀ + (w² − w₀²)/k.
 #include "shapes/axial.h"
+#include "shapes/outline.h"
 
 static bool is_usable(const sag_paraboloid *p) { return sag_paraboloid_validate(p, NULL) == SAG_OK; }
 
@@ -54,6 +55,13 @@ static void collect(const sag_paraboloid *p, const sag_ray *ray, sagi_crossings 
     // Nothing of the surface is below z = 0, so that plane need not cut it: no doubts at the vertex.
     sagi_axial_collect(&spans, p->z_min > 0 ? p->z_min : -INFINITY, p->z_max, p->closed, ray, list);
     if (!p->closed) sagi_axial_sweep(p->phi_max_rad, ray, list);
+}
+
+bool sagi_paraboloid_outline(const sag_paraboloid *p, sagi_outline *outline) {
+    if (!p->closed || !is_usable(p)) return false;
+    double size[2];
+    const sagi_quadric_form form = form_of(p, size);
+    return sagi_outline_make(&form, p->z_min > 0 ? p->z_min : -INFINITY, p->z_max, outline);
 }
 
 bool sag_paraboloid_hit(const sag_paraboloid *p, const sag_ray *ray, sag_hit *hit) {

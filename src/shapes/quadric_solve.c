@@ -20,10 +20,7 @@
 //    step s to the root. Its sensitivity is known: |∂s/∂F| = 1/(2√D), |∂s/∂b| = |s|/√D, |∂s/∂a| = s²/(2√D),
 //    so the step carries its own certificate.
 // 3. What that cannot certify (tangents, starts on the surface) is solved with 400 bits (quadric_exact.c).
-#include "shapes/quadric_local.h"
-
-#define FARTHEST    0x1p200 // beyond that many sizes of the shape b² may overflow; a ray from there is a miss
-#define SHIFT_GUARD 64      // D must be this many times its error for stage 1's roots to be good guesses
+#include "shapes/quadric_steps.h"
 
 int sagi_size_exponent(double size) {
     if (size > 0x1p-40 && size < 0x1p40) return 0;
@@ -54,100 +51,16 @@ sagi_local_ray sagi_quadric_localise(const sagi_quadric_form *form, const sag_ra
     return local;
 }
 
-static void quadratic_term(const sagi_quadric_form *f, const double d[3], sagi_polynomial *p) {
-    double qd[3], magnitude[3];
-    sagi_quadric_apply(f, d, qd, magnitude);
-    p->a = qd[0] * d[0] + qd[1] * d[1] + qd[2] * d[2];
-    p->a_error = SAGI_QUADRIC_EPSILON *
-                 (magnitude[0] * fabs(d[0]) + magnitude[1] * fabs(d[1]) + magnitude[2] * fabs(d[2]));
-}
-
-// b and c at the point y, itself good to one rounding in each coordinate.
-static void expand_at(const sagi_quadric_form *f, const double y[3], const double d[3], sagi_polynomial *p) {
-    double g[3], magnitude[3];
-    sagi_quadric_apply(f, y, g, magnitude);
-    double b = 0, b_sum = 0, c = f->constant.hi, c_sum = fabs(c);
-    for (int i = f->mixed ? 0 : 2; i < 3; i++) {
-        double l = f->linear[i].hi;
-        g[i] += l;
-        magnitude[i] += fabs(l);
-        c += l * y[i];
-        c_sum += fabs(l * y[i]);
-    }
-    for (int i = 0; i < 3; i++) {
-        b += g[i] * d[i];
-        b_sum += magnitude[i] * fabs(d[i]);
-        c += g[i] * y[i];
-        c_sum += magnitude[i] * fabs(y[i]);
-    }
-    p->b = b, p->c = c;
-    p->b_error = SAGI_QUADRIC_EPSILON * b_sum, p->c_error = SAGI_QUADRIC_EPSILON * c_sum;
-}
-
-static double discriminant(const sagi_polynomial *p, double *error) {
-    double bb = p->b * p->b, ac = p->a * p->c;
-    *error = (2 * fabs(p->b) + p->b_error) * p->b_error + fabs(p->c) * p->a_error +
-             (fabs(p->a) + p->a_error) * p->c_error + 4 * SAGI_EPSILON * (bb + fabs(ac));
-    return bb - ac;
-}
-
 // Stage 2.
 
 double sagi_quadric_residual(const sagi_quadric_form *f, const sagi_dd y[3], const double d[3], double *error,
-                             sagi_polynomial *p) {
-    double b = 0, b_sum = 0, sum = fabs(f->constant.hi);
-    sagi_dd value = f->constant;
-    for (int i = 0; i < 3; i++) {
-        sagi_dd g = sagi_dd_mul(f->square[i], y[i]);
-        double magnitude = fabs(g.hi);
-        if (f->mixed) {
-            int j = (i + 1) % 3, k = (i + 2) % 3;
-            sagi_dd gj = sagi_dd_mul(f->cross[k], y[j]), gk = sagi_dd_mul(f->cross[j], y[k]);
-            g = sagi_dd_add(g, sagi_dd_add(gj, gk));
-            magnitude += fabs(gj.hi) + fabs(gk.hi);
-        }
-        double half = g.hi;
-        if (f->mixed || i == 2) {
-            half += f->linear[i].hi;
-            b_sum += fabs(f->linear[i].hi * d[i]);
-            magnitude += 2 * fabs(f->linear[i].hi);
-            g = sagi_dd_add(g, (sagi_dd){2 * f->linear[i].hi, 2 * f->linear[i].lo});
-        }
-        value = sagi_dd_add(value, sagi_dd_mul(g, y[i]));
-        sum += magnitude * fabs(y[i].hi);
-        b += half * d[i];
-        b_sum += magnitude * fabs(d[i]);
-    }
-    p->b = b, p->b_error = SAGI_QUADRIC_EPSILON * b_sum;
-    *error = SAGI_QUADRIC_EPSILON_DD * sum;
-    return value.hi;
+                             sagi_polynomial *slope) {
+    return sagi_quadric_value(f, y, d, error, slope);
 }
 
-// Improves the root *t, at which b must have the given sign, until it is certain to half an ulp before the
-// last rounding, or certainly out of range. False when it cannot be.
 static bool polish(const sagi_quadric_form *form, const sagi_local_ray *ray, const sagi_polynomial *whole,
                    double sign, double *root) {
-    double t = *root;
-    for (int i = 0; i < 4; i++) {
-        sagi_dd y[3];
-        for (int k = 0; k < 3; k++) y[k] = sagi_dd_add(ray->origin[k], sagi_two_prod(t, ray->direction[k]));
-        sagi_polynomial p;
-        double value_error, value = sagi_quadric_residual(form, y, ray->direction, &value_error, &p);
-        double size = fabs(p.b);
-        if (!(p.b * sign > 0) || !(p.b_error <= size * 0x1p-6)) return false;
-        if (!((fabs(whole->a) + whole->a_error) * (fabs(value) + value_error) <= p.b * p.b * 0.25))
-            return false;
-        double step = -value / (p.b + copysign(sqrt(p.b * p.b - whole->a * value), p.b));
-        double wide = fabs(step);
-        double error = 0.75 * value_error / size + wide * (1.4 * p.b_error / size + SAGI_QUADRIC_EPSILON) +
-                       0.75 * wide * wide * whole->a_error / size;
-        t += step;
-        bool certain = error <= SAGI_EPSILON * fabs(t) || t + error < ray->t_min || t - error > ray->t_max;
-        if (!certain) continue;
-        *root = t;
-        return true;
-    }
-    return false;
+    return sagi_quadric_polish(form, ray, whole, sign, root);
 }
 
 // Stage 1.
@@ -169,8 +82,8 @@ static bool solve_linear(const sagi_quadric_form *form, const sagi_local_ray *ra
 static bool solve(const sagi_quadric_form *form, const sagi_local_ray *ray, sagi_spans *spans) {
     double o[3] = {ray->origin[0].hi, ray->origin[1].hi, ray->origin[2].hi};
     sagi_polynomial p;
-    quadratic_term(form, ray->direction, &p);
-    expand_at(form, o, ray->direction, &p);
+    sagi_quadric_square_term(form, ray->direction, &p);
+    sagi_quadric_expand(form, o, ray->direction, &p);
     if (p.a_error == 0 && p.a == 0) return solve_linear(form, ray, &p, spans);
     if (!(fabs(p.a) > p.a_error)) return false;
     double sign = p.a > 0 ? 1 : -1; // of F; sign·F opens upward
@@ -179,18 +92,18 @@ static bool solve(const sagi_quadric_form *form, const sagi_local_ray *ray, sagi
     bool forward = ray->t_min >= 0;
     if (forward && sign * p.c > p.c_error && sign * p.b > p.b_error) return true; // both roots behind
     bool around = sign * p.c < -p.c_error;                                        // one behind, one ahead
-    double d_error, d = discriminant(&p, &d_error);
+    double d_error, d = sagi_quadric_discriminant(&p, &d_error);
     if (d < -d_error) return true;
     double shift = 0;
-    if (!(d > SHIFT_GUARD * d_error)) {
+    if (!(d > SAGI_QUADRIC_GUARD * d_error)) {
         shift = -p.b / p.a;
         if (!isfinite(shift)) return false;
         for (int i = 0; i < 3; i++)
             o[i] = sagi_dd_add(ray->origin[i], sagi_two_prod(shift, ray->direction[i])).hi;
-        expand_at(form, o, ray->direction, &p);
-        d = discriminant(&p, &d_error);
+        sagi_quadric_expand(form, o, ray->direction, &p);
+        d = sagi_quadric_discriminant(&p, &d_error);
         if (d < -d_error) return true;
-        if (!(d > SHIFT_GUARD * d_error)) return false;
+        if (!(d > SAGI_QUADRIC_GUARD * d_error)) return false;
     }
     double root = sqrt(d), q = -(p.b + copysign(root, p.b));
     double ta = shift + q / p.a, tb = shift + p.c / q;
@@ -209,7 +122,7 @@ sagi_spans sagi_quadric_spans(const sagi_quadric_form *form, const sag_ray *ray)
     sagi_local_ray local = sagi_quadric_localise(form, ray);
     sagi_spans spans = {0};
     double far = fmax(fabs(local.origin[0].hi), fmax(fabs(local.origin[1].hi), fabs(local.origin[2].hi)));
-    if (!(far < FARTHEST)) return spans;
+    if (!(far < SAGI_QUADRIC_FARTHEST)) return spans;
     if (!solve(form, &local, &spans)) spans = sagi_quadric_solve_exactly(form, &local);
     for (int i = 0; i < spans.count && local.exponent != 0; i++) {
         spans.enter[i] = ldexp(spans.enter[i], -local.exponent);
