@@ -12,6 +12,8 @@
 //     SCENE       one sagi_file_scene
 //     GEOMETRIES  a sagi_file_geometry for each id
 //     ARRAY       for each geometry its arrays, in the order of sagi_shape_parts
+//     SOLID       a solid's steps, a sagi_file_step each; then for each of its meshes, which are asked one by
+//                 one: SCENE, UNBOUNDED, GROUPS, NODES, LEAVES of a scene of nothing but this mesh
 //     UNBOUNDED   sagi_bvh_reference
 //     GROUPS      a sagi_file_group for each of sagi_groups_form's
 //     NODES       sagi_bvh_node
@@ -46,11 +48,12 @@ typedef enum sagi_file_tag {
     SAGI_FILE_GROUPS,
     SAGI_FILE_NODES,
     SAGI_FILE_LEAVES,
+    SAGI_FILE_SOLID,
 } sagi_file_tag;
 
 typedef struct sagi_file_section {
     uint32_t tag, scene;
-    uint32_t geometry, part;  // of an ARRAY; else 0
+    uint32_t geometry, part;  // of an ARRAY; of a mesh's own scene the mesh, and 1; else 0
     uint64_t bytes, checksum; // of the content, without the zeros after it
     uint64_t zeros[3];
     uint64_t head_checksum; // of what stands before it
@@ -61,12 +64,17 @@ typedef struct sagi_file_scene {
     uint32_t geometry_count, group_count, unbounded_count, node_count, unit_count, leaf_count, depth, quality;
     float sah, box_lo[3], box_hi[3]; // of the tree
     uint32_t repeats;
-    uint64_t zero;
+    uint32_t step_count, zero; // of a solid
     double origin[3], scale;
     uint64_t primitive_count, dropped_not_finite, dropped_degenerate;
     double bounds_min[3], bounds_max[3];
 } sagi_file_scene;
 _Static_assert(sizeof(sagi_file_scene) == 176, "no padding");
+
+// sag_solid_step.
+typedef struct sagi_file_step {
+    uint32_t operation, number;
+} sagi_file_step;
 
 #define SAGI_FILE_NUMBERS 16 // doubles: the most that a shape has
 
@@ -125,8 +133,9 @@ static inline sag_box3 sagi_file_get_box(const double min[3], const double max[3
     return (sag_box3){{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
-// Whether a query of the tree stays within what is there, whatever the numbers in it say (check.c); else a
-// name of what is wrong. Items and entries are valid.
-const char *sagi_snapshot_check(const sagi_snapshot *snapshot);
+// Whether a query of the tree stays within what is there, whatever the numbers in it say (check.c); else
+// SAG_ERROR_FORMAT and a name of what is wrong, or SAG_ERROR_MEMORY and NULL. Items and entries are valid,
+// and a solid's tree.
+sag_status sagi_snapshot_check(const sagi_snapshot *snapshot, const char **flaw);
 
 #endif

@@ -46,6 +46,7 @@ static sagi_file_scene describe(const sagi_snapshot *s) {
                          .quality = (uint32_t)s->quality,
                          .repeats = t->repeats,
                          .sah = t->sah,
+                         .step_count = s->solid != NULL ? s->solid->node_count + s->solid->part_count : 0,
                          .origin = {s->world.origin.x, s->world.origin.y, s->world.origin.z},
                          .scale = s->world.scale,
                          .primitive_count = s->stats.primitive_count,
@@ -111,12 +112,56 @@ static void put_geometries(writer *w, const sagi_snapshot *s, uint32_t number) {
     sag_release(s->context, all, bytes);
 }
 
-static void put_groups(writer *w, const sagi_snapshot *s, uint32_t number) {
+static void put_groups(writer *w, const sagi_snapshot *s, sagi_file_section head) {
     size_t bytes = s->group_count * sizeof(sagi_file_group);
     sagi_file_group *all = begin_table(w, s, bytes);
     for (uint32_t i = 0; i < s->group_count && all != NULL; i++) all[i] = describe_group(&s->groups[i]);
-    put_section(w, (sagi_file_section){.tag = SAGI_FILE_GROUPS, .scene = number}, all, bytes);
+    head.tag = SAGI_FILE_GROUPS;
+    put_section(w, head, all, bytes);
     sag_release(s->context, all, bytes);
+}
+
+// What a scene has besides its geometries.
+static void put_tree(writer *w, const sagi_snapshot *s, sagi_file_section head) {
+    const sagi_bvh *t = &s->world.tree;
+    head.tag = SAGI_FILE_UNBOUNDED;
+    put_section(w, head, s->unbounded, s->world.unbounded_count * sizeof *s->unbounded);
+    put_groups(w, s, head);
+    head.tag = SAGI_FILE_NODES;
+    put_section(w, head, t->nodes, t->node_count * sizeof *t->nodes);
+    head.tag = SAGI_FILE_LEAVES;
+    put_section(w, head, t->leaves, t->unit_count * SAGI_BVH_UNIT);
+}
+
+static void put_description(writer *w, const sagi_snapshot *s, sagi_file_section head) {
+    sagi_file_scene description = describe(s);
+    head.tag = SAGI_FILE_SCENE;
+    put_section(w, head, &description, sizeof description);
+}
+
+static void put_steps(writer *w, const sagi_snapshot *s, uint32_t number) {
+    size_t count = (size_t)s->solid->node_count + s->solid->part_count,
+           bytes = count * sizeof(sagi_file_step);
+    sagi_file_step *all = begin_table(w, s, bytes);
+    sag_solid_step *steps = begin_table(w, s, count * sizeof *steps);
+    if (all != NULL && steps != NULL) {
+        sagi_solid_describe(s->solid, steps);
+        for (size_t i = 0; i < count; i++)
+            all[i] = (sagi_file_step){(uint32_t)steps[i].operation, steps[i].number};
+    }
+    put_section(w, (sagi_file_section){.tag = SAGI_FILE_SOLID, .scene = number}, all, bytes);
+    sag_release(s->context, all, bytes);
+    sag_release(s->context, steps, count * sizeof *steps);
+}
+
+static void put_solid(writer *w, const sagi_snapshot *s, uint32_t number) {
+    put_steps(w, s, number);
+    for (uint32_t i = 0; i < s->count; i++) {
+        if (s->entries[i].alone == NULL) continue;
+        const sagi_file_section head = {.scene = number, .geometry = i, .part = 1};
+        put_description(w, s->entries[i].alone, head);
+        put_tree(w, s->entries[i].alone, head);
+    }
 }
 
 static void put_arrays(writer *w, const sagi_snapshot *s, uint32_t number) {
@@ -134,28 +179,21 @@ static void put_arrays(writer *w, const sagi_snapshot *s, uint32_t number) {
 }
 
 static void put_all(writer *w, uint64_t total) {
-    sagi_file_head head = {.byte_order = SAGI_FILE_BYTE_ORDER,
+    sagi_file_head file = {.byte_order = SAGI_FILE_BYTE_ORDER,
                            .version = SAGI_FILE_VERSION,
                            .bytes = total,
                            .scene_count = w->list->count};
-    memcpy(head.magic, SAGI_FILE_MAGIC, sizeof head.magic);
-    head.checksum = sagi_checksum(&head, offsetof(sagi_file_head, checksum));
-    put(w, &head, sizeof head);
+    memcpy(file.magic, SAGI_FILE_MAGIC, sizeof file.magic);
+    file.checksum = sagi_checksum(&file, offsetof(sagi_file_head, checksum));
+    put(w, &file, sizeof file);
     for (uint32_t i = 0; i < w->list->count && w->status == SAG_OK; i++) {
         const sagi_snapshot *s = w->list->snapshots[i];
-        const sagi_bvh *t = &s->world.tree;
-        sagi_file_scene description = describe(s);
-        put_section(w, (sagi_file_section){.tag = SAGI_FILE_SCENE, .scene = i}, &description,
-                    sizeof description);
+        const sagi_file_section head = {.scene = i};
+        put_description(w, s, head);
         put_geometries(w, s, i);
         put_arrays(w, s, i);
-        put_section(w, (sagi_file_section){.tag = SAGI_FILE_UNBOUNDED, .scene = i}, s->unbounded,
-                    s->world.unbounded_count * sizeof *s->unbounded);
-        put_groups(w, s, i);
-        put_section(w, (sagi_file_section){.tag = SAGI_FILE_NODES, .scene = i}, t->nodes,
-                    t->node_count * sizeof *t->nodes);
-        put_section(w, (sagi_file_section){.tag = SAGI_FILE_LEAVES, .scene = i}, t->leaves,
-                    t->unit_count * SAGI_BVH_UNIT);
+        if (s->solid != NULL) put_solid(w, s, i);
+        put_tree(w, s, head);
     }
 }
 

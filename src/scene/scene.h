@@ -117,9 +117,7 @@ static inline bool sagi_is_lone_sphere(const sagi_item *item) {
     return item->kind == SAG_SHAPE_SPHERE && item->place == NULL && sagi_sphere_is_whole(item->shape);
 }
 // Whether the snapshot is one of a solid.
-static inline bool sagi_snapshot_is_solid(const sagi_snapshot *snapshot) {
-    return snapshot->solid != NULL;
-}
+static inline bool sagi_snapshot_is_solid(const sagi_snapshot *snapshot) { return snapshot->solid != NULL; }
 // Whether a geometry bounds a volume: what is said of parts in solid.h. For ids below the count.
 // (solid_check.c)
 bool sagi_geometry_is_closed(const sagi_snapshot *snapshot, uint32_t id);
@@ -142,6 +140,10 @@ void sagi_listing_release(sagi_listing *listing);
 // A solid's tree from the steps; then, from tree and entries, the boxes of its parts and the worlds of its
 // meshes (solid.c).
 sag_status sagi_snapshot_set_solid(sagi_snapshot *snapshot, const sag_scene *scene, sag_error *error);
+// A scene of nothing but this mesh, as it stands, yet without a tree; NULL when memory is short.
+sagi_snapshot *sagi_snapshot_create_alone(const sagi_snapshot *snapshot, uint32_t id);
+// Has the mesh asked through it, which then is the snapshot's.
+void sagi_snapshot_take_alone(sagi_snapshot *snapshot, uint32_t id, sagi_snapshot *alone);
 sag_status sagi_snapshot_measure_parts(sagi_snapshot *snapshot, const sagi_snapshot *before,
                                        sag_error *error);
 
@@ -222,7 +224,7 @@ void sagi_cell_release(sagi_cell *cell);
 
 typedef struct sagi_geometry {
     sag_shape_kind kind;
-    bool removed, disabled, face_forward, placed;
+    bool removed, disabled, face_forward, placed; // removed and disabled: not in the file it is loaded from
     sag_update update;
     uint32_t mask;
     uint64_t user_data;

@@ -31,7 +31,7 @@ sag_status sagi_snapshot_set_solid(sagi_snapshot *s, const sag_scene *scene, sag
     s->world.solid = s->solid;
     for (uint32_t i = 0; i < scene->count; i++) {
         bool is_part = sagi_solid_part_of(s->solid)[i] != SAG_INVALID_ID;
-        if (is_part && scene->geometries[i].removed)
+        if (is_part && scene->geometries[i].removed && !scene->geometries[i].disabled)
             return sag_error_set(error, SAG_ERROR_ARGUMENT, "geometry %u of the solid is not there",
                                  (unsigned)i);
         if (!is_part && !scene->geometries[i].removed)
@@ -41,30 +41,36 @@ sag_status sagi_snapshot_set_solid(sagi_snapshot *s, const sag_scene *scene, sag
     return SAG_OK;
 }
 
-// A scene of nothing but this mesh, as it stands.
+sagi_snapshot *sagi_snapshot_create_alone(const sagi_snapshot *s, uint32_t id) {
+    const sagi_entry *e = &s->entries[id];
+    sagi_snapshot *alone = sagi_snapshot_create(s->context, 1);
+    if (alone == NULL) return NULL;
+    alone->quality = s->quality;
+    alone->entries[0] = (sagi_entry){
+        .present = true, .store = sagi_store_retain(e->store), .moved = sagi_store_retain(e->moved)};
+    alone->items[0] = s->items[id];
+    alone->items[0].mask = UINT32_MAX;
+    return alone;
+}
+
+void sagi_snapshot_take_alone(sagi_snapshot *s, uint32_t id, sagi_snapshot *alone) {
+    s->entries[id].alone = alone;
+    s->items[id].child = &alone->world;
+}
+
 static sag_status set_alone(sagi_snapshot *s, const sagi_snapshot *before, uint32_t id) {
-    sagi_entry *e = &s->entries[id];
-    sagi_item *item = &s->items[id];
     if (sagi_geometry_is_as_before(s, before, id) && before->entries[id].alone != NULL &&
         before->quality == s->quality) {
-        e->alone = sagi_snapshot_retain(before->entries[id].alone);
-    } else {
-        sagi_snapshot *alone = sagi_snapshot_create(s->context, 1);
-        if (alone == NULL) return SAG_ERROR_MEMORY;
-        alone->quality = s->quality;
-        alone->entries[0] = (sagi_entry){
-            .present = true, .store = sagi_store_retain(e->store), .moved = sagi_store_retain(e->moved)};
-        alone->items[0] = *item;
-        alone->items[0].mask = UINT32_MAX;
-        sag_status status = sagi_snapshot_build(alone, NULL);
-        if (status != SAG_OK) {
-            sagi_snapshot_release(alone);
-            return status;
-        }
-        e->alone = alone;
+        sagi_snapshot_take_alone(s, id, sagi_snapshot_retain(before->entries[id].alone));
+        return SAG_OK;
     }
-    item->child = &e->alone->world;
-    return SAG_OK;
+    sagi_snapshot *alone = sagi_snapshot_create_alone(s, id);
+    sag_status status = alone != NULL ? sagi_snapshot_build(alone, NULL) : SAG_ERROR_MEMORY;
+    if (status == SAG_OK)
+        sagi_snapshot_take_alone(s, id, alone);
+    else
+        sagi_snapshot_release(alone);
+    return status;
 }
 
 static sag_box3 box_of(const sagi_snapshot *s, uint32_t id) {
@@ -91,7 +97,9 @@ sag_status sagi_snapshot_measure_parts(sagi_snapshot *s, const sagi_snapshot *be
     sag_status status = node_box != NULL && s->part_boxes != NULL ? SAG_OK : SAG_ERROR_MEMORY;
     for (uint32_t i = 0; i < solid->part_count && status == SAG_OK; i++) {
         uint32_t id = parts[i].geometry;
-        if (s->entries[id].present && s->items[id].kind == SAG_SHAPE_MESH) status = set_alone(s, before, id);
+        const sagi_entry *e = &s->entries[id];
+        if (e->present && s->items[id].kind == SAG_SHAPE_MESH && e->alone == NULL)
+            status = set_alone(s, before, id);
         if (status == SAG_OK) s->part_boxes[i] = box_of(s, id);
     }
     if (status == SAG_OK) sagi_solid_clip_boxes(solid, s->part_boxes, node_box);

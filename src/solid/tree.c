@@ -164,3 +164,24 @@ sag_status sagi_solid_compile(const sag_context *context, const sag_solid *from,
     if (status == SAG_OK && solid != NULL) *solid = s;
     return status;
 }
+
+// From the last step to the first, as the tree was made: nodes come with rising numbers, parts with falling
+// ones. The operand that is next at a node is the last part that is left, if it is the node's, or else the
+// node that this part is somewhere below.
+void sagi_solid_describe(const sagi_solid *s, sag_solid_step *steps) {
+    const sagi_solid_node *nodes = sagi_solid_nodes(s);
+    const sagi_solid_part *parts = sagi_solid_parts(s);
+    uint32_t left[SAG_SOLID_MAX_DEPTH] = {0}; // operands to come, of the node at hand and those above it
+    uint32_t part = s->part_count, count = s->node_count + s->part_count, at = 0, height = 0;
+    for (uint32_t i = count, node = 0; i-- > 0;) {
+        if (height > 0) left[height - 1]--;
+        if (height > 0 && parts[part - 1].parent == at) {
+            steps[i] = (sag_solid_step){SAG_SOLID_PART, parts[--part].geometry};
+        } else {
+            at = node++;
+            steps[i] = (sag_solid_step){(sag_solid_operation)nodes[at].operation, nodes[at].operands};
+            left[height++] = nodes[at].operands;
+        }
+        for (; height > 0 && left[height - 1] == 0; height--) at = nodes[at].parent;
+    }
+}

@@ -65,6 +65,9 @@ static inline bool sagi_solid_value(const sagi_solid_node *node, int32_t number)
 sag_status sagi_solid_compile(const sag_context *context, const sag_solid *steps, uint32_t geometry_count,
                               sagi_solid **solid, sag_error *error);
 
+// Writes a description that makes this tree again: node_count + part_count steps.
+void sagi_solid_describe(const sagi_solid *solid, sag_solid_step *steps);
+
 // Writes to box[part_count], which has each part's own box, where the part matters: its box and those of all
 // the nodes above it in common. (A union's is around its operands', as an exclusive or's; an intersection's
 // is what they have in common; a difference's is its first operand's.) Elsewhere a part counts as "out" as

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/random_scene.h"
 #include "shapes/shape.h"
+#include <sagitta/solid.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <string.h>
@@ -90,6 +91,7 @@ static void assert_same_hits(const sag_hit *a, const sag_hit *b) {
     assert_memory_equal(&a->v, &b->v, sizeof a->v);
     assert_int_equal(a->geometry, b->geometry);
     assert_int_equal(a->primitive, b->primitive);
+    assert_int_equal(a->flipped, b->flipped);
     assert_int_equal(a->instance_depth, b->instance_depth);
     assert_memory_equal(a->instance_path, b->instance_path, sizeof a->instance_path);
 }
@@ -107,6 +109,13 @@ static void compare_ray(const sag_scene *a, const sag_scene *b, const sag_ray *r
         sag_surface_at(a, ray, &x[i], &s);
         sag_surface_at(b, ray, &y[i], &t);
         assert_same_surfaces(&s, &t);
+    }
+    sag_span in_a[16], in_b[16];
+    count = sag_scene_spans(a, ray, in_a, 16);
+    assert_int_equal(sag_scene_spans(b, ray, in_b, 16), count);
+    for (size_t i = 0; i < count && i < 16; i++) {
+        assert_same_hits(&in_a[i].enter, &in_b[i].enter);
+        assert_same_hits(&in_a[i].leave, &in_b[i].leave);
     }
     sag_hit other;
     assert_int_equal(sag_intersect(b, ray, &other), met);

@@ -5,6 +5,7 @@
 #include "kernel/block.h"
 #include "scene/file.h"
 #include "support/context.h"
+#include "support/hostile.h"
 #include "support/meshes.h"
 #include "support/random_scene.h"
 #include "support/saved.h"
@@ -14,73 +15,6 @@
 
 #include <cmocka.h>
 
-// A section of a file in memory.
-typedef struct place {
-    size_t at, bytes;
-} place;
-
-static place find(const saved *file, sagi_file_tag tag, uint32_t scene) {
-    for (size_t at = sizeof(sagi_file_head); at < file->count;) {
-        const sagi_file_section *s = (const void *)(file->bytes + at);
-        at += sizeof *s;
-        if (s->tag == (uint32_t)tag && s->scene == scene) return (place){at, s->bytes};
-        at += (s->bytes + SAGI_FILE_ALIGNMENT - 1) / SAGI_FILE_ALIGNMENT * SAGI_FILE_ALIGNMENT;
-    }
-    fail();
-    return (place){0, 0};
-}
-
-static void ask_everything(rng *r, sag_scene *scene) {
-    for (int i = 0; i < 12; i++) {
-        sag_ray ray = random_scene_ray(r, 1);
-        sag_hit hits[8], hit;
-        sag_surface surface;
-        sag_closest closest;
-        size_t count = sag_intersect_all(scene, &ray, hits, 8);
-        for (size_t k = 0; k < count && k < 8; k++) sag_surface_at(scene, &ray, &hits[k], &surface);
-        if (sag_intersect(scene, &ray, &hit)) sag_surface_at(scene, &ray, &hit, &surface);
-        sag_occluded(scene, &ray);
-        sag_contains(scene, ray.origin);
-        sag_closest_point(scene, ray.origin, INFINITY, &closest);
-    }
-}
-
-// A camera's rays, which go through the tree together.
-static void ask_many(rng *r, const sag_scene *scene) {
-    sag_ray rays[64];
-    sag_hit hits[64];
-    bool occluded[64];
-    sag_vec3 eye = rng_vec3(r, 4);
-    for (int i = 0; i < 64; i++)
-        rays[i] =
-            sag_ray_make(eye, sag_sub(sag_vec3_make(0.2 * (i % 8) - 0.7, 0.2 * (i / 8) - 0.7, 0.1), eye));
-    sag_intersect_batch(scene, rays, hits, 64);
-    sag_occluded_batch(scene, rays, occluded, 64);
-}
-
-// Loads the file; what comes of it is asked, changed, committed and asked again. Whether it was loaded.
-static bool try_it(rng *r, saved *file) {
-    sag_scene *scene = NULL;
-    sag_error error = {0};
-    saved_seal(file);
-    sag_status status = saved_read(context, file->bytes, file->count, &scene, &error);
-    if (status != SAG_OK) {
-        assert_null(scene);
-        assert_true(error.message[0] != 0);
-        return false;
-    }
-    ask_everything(r, scene);
-    ask_many(r, scene);
-    for (uint32_t id = 0; id < 3; id++) {
-        sag_affine map = sag_affine_translate(sag_vec3_make(0.01, 0, 0));
-        sag_geometry_set_transform(scene, id, rng_one_in(r, 2) ? &map : NULL);
-    }
-    sag_add_sphere(scene, &(sag_sphere){.radius = 0.1});
-    if (sag_scene_commit(scene, &error) == SAG_OK) ask_everything(r, scene);
-    sag_scene_destroy(scene);
-    return true;
-}
-
 static saved make_file(uint64_t seed, uint32_t count) {
     rng r = rng_make(seed);
     sag_scene *scene = random_nested_scene(&r, context, count, 1, 1);
@@ -88,18 +22,6 @@ static saved make_file(uint64_t seed, uint32_t count) {
     sag_scene_destroy(scene);
     assert_true(file.count > 0);
     return file;
-}
-
-static uint32_t evil_word(rng *r, uint32_t now) {
-    static const uint32_t words[] = {0,          1,          8,          9,          0x7FFFFFFF, 0x80000000,
-                                     0xFFFFFFFF, 0x7F800000, 0xFF800000, 0x7FC00000, 0x3F800000, 0x80000001,
-                                     0x7FF00000, 0xFFF00000, 0x7FEFFFFF, 0x00000100, 0x01000000, 0x00010000};
-    switch (rng_below(r, 4)) {
-    case 0: return words[rng_below(r, sizeof words / sizeof *words)];
-    case 1: return now + (rng_one_in(r, 2) ? 1u : UINT32_MAX);
-    case 2: return now ^ 1u << rng_below(r, 32);
-    default: return (uint32_t)rng_bits(r);
-    }
 }
 
 // Any words of any section, one or some at a time.
@@ -115,9 +37,9 @@ static void any_word(void **state) {
             uint32_t *words = (void *)copy.bytes;
             for (uint32_t k = 1 + rng_below(&r, 3); k > 0; k--) {
                 uint32_t at = rng_below(&r, (uint32_t)(file.count / 4));
-                words[at] = evil_word(&r, words[at]);
+                words[at] = hostile_word(&r, words[at]);
             }
-            loaded += try_it(&r, &copy);
+            loaded += hostile_try(&r, context, &copy);
         }
         saved_free(&copy), saved_free(&file);
     }
@@ -133,21 +55,22 @@ static void any_child(void **state) {
     for (size_t i = 0; i < soak(700); i++) {
         memcpy(copy.bytes, file.bytes, file.count);
         uint32_t scene = rng_below(&r, 2);
-        place nodes = find(&copy, SAGI_FILE_NODES, scene), leaves = find(&copy, SAGI_FILE_LEAVES, scene);
+        place nodes = hostile_find(&copy, SAGI_FILE_NODES, scene),
+              leaves = hostile_find(&copy, SAGI_FILE_LEAVES, scene);
         if (rng_one_in(&r, 2)) {
             sagi_bvh_node *n = (void *)(copy.bytes + nodes.at);
             uint32_t *child =
                 &n[rng_below(&r, (uint32_t)(nodes.bytes / sizeof *n))].child[rng_below(&r, SAGI_BVH_WIDTH)];
             uint32_t leaf = rng_one_in(&r, 2) ? SAGI_BVH_LEAF : 0;
-            *child = rng_one_in(&r, 2) ? evil_word(&r, *child) : leaf | rng_below(&r, 40);
+            *child = rng_one_in(&r, 2) ? hostile_word(&r, *child) : leaf | rng_below(&r, 40);
         } else {
             uint32_t *words =
                 (void *)(copy.bytes + leaves.at +
                          rng_below(&r, (uint32_t)(leaves.bytes / SAGI_BVH_UNIT)) * SAGI_BVH_UNIT);
             uint32_t at = rng_below(&r, 8);
-            words[at] = rng_one_in(&r, 2) ? evil_word(&r, words[at]) : rng_below(&r, 16);
+            words[at] = rng_one_in(&r, 2) ? hostile_word(&r, words[at]) : rng_below(&r, 16);
         }
-        try_it(&r, &copy);
+        hostile_try(&r, context, &copy);
     }
     saved_free(&copy), saved_free(&file);
 }
@@ -168,10 +91,10 @@ static void any_position(void **state) {
             const sagi_file_section *s = (const void *)(copy.bytes + at);
             uint32_t *words = (void *)(copy.bytes + (at += sizeof *s));
             for (uint32_t k = 0; s->tag == SAGI_FILE_ARRAY && s->part < 2 && k < s->bytes / 4; k++)
-                if (rng_one_in(&r, 20)) words[k] = evil_word(&r, words[k]);
+                if (rng_one_in(&r, 20)) words[k] = hostile_word(&r, words[k]);
             at += (s->bytes + 63) / 64 * 64;
         }
-        assert_true(try_it(&r, &copy));
+        assert_true(hostile_try(&r, context, &copy));
     }
     saved_free(&copy), saved_free(&file);
 }
@@ -188,7 +111,7 @@ static saved mesh_file_in_memory(void) {
 
 // A child that is a node, or a leaf, of the file's only scene.
 static uint32_t *some_child(saved *file, bool leaf) {
-    place nodes = find(file, SAGI_FILE_NODES, 0);
+    place nodes = hostile_find(file, SAGI_FILE_NODES, 0);
     sagi_bvh_node *n = (void *)(file->bytes + nodes.at);
     for (size_t k = 0; k < nodes.bytes / sizeof *n; k++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++)
@@ -200,7 +123,7 @@ static uint32_t *some_child(saved *file, bool leaf) {
 
 static void assert_refused(saved *file) {
     rng r = rng_make(14);
-    assert_false(try_it(&r, file));
+    assert_false(hostile_try(&r, context, file));
     saved_free(file);
 }
 
@@ -223,7 +146,8 @@ static void tree_too_deep(void **state) {
     for (uint32_t levels = SAGI_BVH_MAX_DEPTH; levels <= SAGI_BVH_MAX_DEPTH + 1; levels++) {
         rng r = rng_make(15);
         saved file = mesh_file_in_memory();
-        place scene = find(&file, SAGI_FILE_SCENE, 0), nodes = find(&file, SAGI_FILE_NODES, 0);
+        place scene = hostile_find(&file, SAGI_FILE_SCENE, 0),
+              nodes = hostile_find(&file, SAGI_FILE_NODES, 0);
         sagi_file_scene *d = (void *)(file.bytes + scene.at);
         sagi_bvh_node chain[SAGI_BVH_MAX_DEPTH + 1];
         for (uint32_t n = 0; n < levels; n++)
@@ -236,7 +160,7 @@ static void tree_too_deep(void **state) {
         // The file again, with the chain for its nodes.
         size_t bytes = levels * sizeof *chain, rest = nodes.at + (nodes.bytes + 63) / 64 * 64;
         saved made = {.bytes = calloc(1, file.count + bytes + 64)};
-        sagi_file_group *g = (void *)(file.bytes + find(&file, SAGI_FILE_GROUPS, 0).at);
+        sagi_file_group *g = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_GROUPS, 0).at);
         d->node_count = d->depth = g->node_count = g->depth = levels, d->leaf_count = g->leaf_count = 1;
         memcpy(made.bytes, file.bytes, nodes.at);
         ((sagi_file_section *)(void *)(made.bytes + nodes.at) - 1)->bytes = bytes;
@@ -245,7 +169,7 @@ static void tree_too_deep(void **state) {
         memcpy(made.bytes + end, file.bytes + rest, file.count - rest);
         made.count = end + file.count - rest;
         ((sagi_file_head *)(void *)made.bytes)->bytes = made.count;
-        assert_int_equal(try_it(&r, &made), levels == SAGI_BVH_MAX_DEPTH);
+        assert_int_equal(hostile_try(&r, context, &made), levels == SAGI_BVH_MAX_DEPTH);
         saved_free(&made), saved_free(&file);
     }
 }
@@ -253,7 +177,7 @@ static void tree_too_deep(void **state) {
 static void leaf_beyond_the_end(void **state) {
     (void)state;
     saved file = mesh_file_in_memory();
-    uint32_t units = (uint32_t)(find(&file, SAGI_FILE_LEAVES, 0).bytes / SAGI_BVH_UNIT);
+    uint32_t units = (uint32_t)(hostile_find(&file, SAGI_FILE_LEAVES, 0).bytes / SAGI_BVH_UNIT);
     *some_child(&file, true) = SAGI_BVH_LEAF | (units - 1); // begins inside, ends outside, or in the middle
     assert_refused(&file);
     file = mesh_file_in_memory();
@@ -264,11 +188,11 @@ static void leaf_beyond_the_end(void **state) {
 static void triangle_that_is_not_there(void **state) {
     (void)state;
     saved file = mesh_file_in_memory();
-    sagi_triangle_block *block = (void *)(file.bytes + find(&file, SAGI_FILE_LEAVES, 0).at);
+    sagi_triangle_block *block = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_LEAVES, 0).at);
     block->primitive[0] = 8;
     assert_refused(&file);
     file = mesh_file_in_memory();
-    block = (void *)(file.bytes + find(&file, SAGI_FILE_LEAVES, 0).at);
+    block = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_LEAVES, 0).at);
     block->head.geometry = 40;
     assert_refused(&file);
 }
@@ -284,7 +208,7 @@ static sagi_block *sphere_file_in_memory(saved *file) {
     assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
     *file = saved_from(scene, NULL, NULL);
     sag_scene_destroy(scene);
-    place leaves = find(file, SAGI_FILE_LEAVES, 0);
+    place leaves = hostile_find(file, SAGI_FILE_LEAVES, 0);
     for (size_t at = leaves.at; at < leaves.at + leaves.bytes; at += SAGI_BVH_UNIT) {
         sagi_block *block = (void *)(file->bytes + at);
         if (block->kind == SAGI_BLOCK_SPHERES && block->count == 5) return block;
@@ -311,7 +235,7 @@ static void sphere_that_is_not_there(void **state) {
         case 6: block->count = 9; break;
         default: break; // nothing is wrong
         }
-        assert_int_equal(try_it(&r, &file), what == 7);
+        assert_int_equal(hostile_try(&r, context, &file), what == 7);
         saved_free(&file);
     }
 }
@@ -329,7 +253,7 @@ static void lone_sphere_that_is_not_there(void **state) {
         assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
         saved file = saved_from(scene, NULL, NULL);
         sag_scene_destroy(scene);
-        const place leaves = find(&file, SAGI_FILE_LEAVES, 0);
+        const place leaves = hostile_find(&file, SAGI_FILE_LEAVES, 0);
         sagi_block *block = NULL;
         for (size_t at = leaves.at; at < leaves.at + leaves.bytes && block == NULL; at += SAGI_BVH_UNIT) {
             sagi_block *here = (void *)(file.bytes + at);
@@ -346,7 +270,7 @@ static void lone_sphere_that_is_not_there(void **state) {
         case 4: block->geometry = 0; break;
         default: break; // nothing is wrong
         }
-        assert_int_equal(try_it(&r, &file), what == 5);
+        assert_int_equal(hostile_try(&r, context, &file), what == 5);
         saved_free(&file);
     }
 }
@@ -370,7 +294,7 @@ static void shape_that_is_not_valid(void **state) {
     assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
     saved file = saved_from(scene, NULL, NULL);
     sag_scene_destroy(scene);
-    sagi_file_geometry *g = (void *)(file.bytes + find(&file, SAGI_FILE_GEOMETRIES, 0).at);
+    sagi_file_geometry *g = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_GEOMETRIES, 0).at);
     g->number[3] = -1;
     saved_seal(&file);
     sag_error error = {0};
@@ -397,21 +321,21 @@ static void groups_that_lie(void **state) {
     saved file = saved_from(scene, NULL, NULL), copy = file;
     sag_scene_destroy(scene);
     copy.bytes = malloc(file.count);
-    place groups = find(&file, SAGI_FILE_GROUPS, 0);
+    place groups = hostile_find(&file, SAGI_FILE_GROUPS, 0);
     uint32_t count = (uint32_t)(groups.bytes / sizeof(sagi_file_group)), refused = 0;
     assert_int_equal(count, 4);
     for (size_t i = 0; i < soak(400); i++) {
         memcpy(copy.bytes, file.bytes, file.count);
         sagi_file_group *g = (void *)(copy.bytes + groups.at);
         uint32_t *word = (uint32_t *)&g[rng_below(&r, count)] + rng_below(&r, 6);
-        *word = rng_one_in(&r, 2) ? evil_word(&r, *word)
+        *word = rng_one_in(&r, 2) ? hostile_word(&r, *word)
                                   : ((uint32_t *)&g[rng_below(&r, count)])[rng_below(&r, 6)];
         if (rng_one_in(&r, 4)) {
             sagi_file_group first = g[0];
             uint32_t other = rng_below(&r, count);
             g[0] = g[other], g[other] = first;
         }
-        refused += !try_it(&r, &copy);
+        refused += !hostile_try(&r, context, &copy);
     }
     assert_true(refused > 100);
     saved_free(&copy), saved_free(&file);
@@ -421,7 +345,7 @@ static void groups_that_lie(void **state) {
 static void instances_in_circles(void **state) {
     (void)state;
     saved file = make_file(16, 12);
-    place table = find(&file, SAGI_FILE_GEOMETRIES, 1);
+    place table = hostile_find(&file, SAGI_FILE_GEOMETRIES, 1);
     sagi_file_geometry *g = (void *)(file.bytes + table.at);
     g[table.bytes / sizeof *g - 1].child = 1;
     assert_refused(&file);

@@ -8,6 +8,7 @@
 #include "support/meshes.h"
 #include "support/random_scene.h"
 #include "support/saved.h"
+#include "support/shape_solid.h"
 #include <dirent.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -89,6 +90,50 @@ static void same_bits_for_every_query(void **state) {
     check_round_trip(7, 60, 2, 1e-9);
     check_round_trip(8, 60, 2, 1e9);
     check_round_trip(9, 4, SAG_MAX_INSTANCE_DEPTH, 1);
+}
+
+// Solids of everything, several levels of them, with a part that is not there: the tree and the meshes' own
+// trees come back.
+static void solids(void **state) {
+    (void)state;
+    rng r = rng_make(41);
+    for (int i = 0; i < 30; i++) {
+        shape_solid solid[3], *last = NULL;
+        for (int k = 0; k < 3; k++) shape_solid_make(&r, context, &solid[k], 1, last), last = &solid[k];
+        for (int k = 0; k < 3; k += 2) {
+            uint32_t part = rng_below(&r, sagi_scene_snapshot(solid[k].scene)->count);
+            sag_geometry_set_enabled(solid[k].scene, part, rng_one_in(&r, 2));
+            sag_scene_set_quality(solid[k].scene, (sag_quality)(i % 3));
+            assert_int_equal(sag_scene_commit(solid[k].scene, NULL), SAG_OK);
+        }
+        sag_scene *scene = sag_scene_create(context), *loaded = NULL;
+        for (int k = 0; k < 6; k++) {
+            sag_affine map;
+            random_place(&r, 2, &map);
+            sag_add_instance(scene, solid[k % 3].scene, &map);
+        }
+        random_scene_add(&r, scene, SAG_SHAPE_MESH, 1);
+        assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+        const sag_scene *saved_ones[2] = {scene, solid[2].scene};
+        for (int k = 0; k < 2; k++) {
+            sag_error error;
+            saved file = saved_from(saved_ones[k], NULL, NULL);
+            if (saved_read(context, file.bytes, file.count, &loaded, &error) != SAG_OK)
+                fail_msg("%s", error.message);
+            assert_same_stats(saved_ones[k], loaded);
+            assert_same_answers(saved_ones[k], loaded, &r, 60, 1);
+            saved again = saved_from(loaded, NULL, NULL);
+            assert_true(again.count == file.count && memcmp(again.bytes, file.bytes, file.count) == 0);
+            // Committed again it is still the solid.
+            sag_geometry_set_mask(loaded, 0, 0);
+            assert_int_equal(sag_scene_commit(loaded, NULL), SAG_OK);
+            assert_same_answers(saved_ones[k], loaded, &r, 20, 1);
+            saved_free(&file), saved_free(&again);
+            sag_scene_destroy(loaded);
+        }
+        sag_scene_destroy(scene);
+        for (int k = 0; k < 3; k++) sag_scene_destroy(solid[k].scene);
+    }
 }
 
 static void empty_scene(void **state) {
@@ -244,6 +289,13 @@ static void files_appear_whole_or_not(void **state) {
     sag_scene_destroy(scene);
 }
 
+static bool has_mesh(const sag_scene *scene) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    for (uint32_t i = 0; i < s->count; i++)
+        if (s->items[i].kind == SAG_SHAPE_MESH) return true;
+    return false;
+}
+
 static saved small_file(void) {
     rng r = rng_make(5);
     sag_scene *scene = random_nested_scene(&r, context, 9, 1, 1);
@@ -251,6 +303,11 @@ static saved small_file(void) {
     random_scene_add(&r, scene, SAG_SHAPE_SPHERES, 1);
     random_scene_add(&r, scene, SAG_SHAPE_POLYGON, 1);
     random_scene_add(&r, scene, SAG_SHAPE_POLYHEDRON, 1);
+    shape_solid solid; // of a mesh and more
+    do shape_solid_make(&r, context, &solid, 1, NULL);
+    while (!has_mesh(solid.scene) && (sag_scene_destroy(solid.scene), true));
+    sag_add_instance(scene, solid.scene, NULL);
+    sag_scene_destroy(solid.scene);
     assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
     saved file = saved_from(scene, NULL, NULL);
     sag_scene_destroy(scene);
@@ -379,6 +436,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(checksum_is_xxh64),
         cmocka_unit_test(same_bits_for_every_query),
+        cmocka_unit_test(solids),
         cmocka_unit_test(empty_scene),
         cmocka_unit_test(shared_scenes_are_written_once),
         cmocka_unit_test(loaded_scenes_keep_their_trees),

@@ -7,6 +7,7 @@
 #include "support/context.h"
 #include "support/meshes.h"
 #include "support/random_shape.h"
+#include "support/shape_solid.h"
 #include "support/span_truth.h"
 
 #include <setjmp.h>
@@ -17,67 +18,10 @@
 
 #include <cmocka.h>
 
-#define MAX_PARTS  8
+#define MAX_PARTS  SHAPE_SOLID_PARTS
 #define MAX_EVENTS 256
 
-static const sag_shape_kind kinds[] = {
-    SAG_SHAPE_PLANE,       SAG_SHAPE_SPHERE, SAG_SHAPE_ELLIPSOID,    SAG_SHAPE_CYLINDER,
-    SAG_SHAPE_CONE,        SAG_SHAPE_BOX,    SAG_SHAPE_ORIENTED_BOX, SAG_SHAPE_POLYHEDRON,
-    SAG_SHAPE_HYPERBOLOID, SAG_SHAPE_TORUS,  SAG_SHAPE_CAPSULE,      SAG_SHAPE_MESH,
-};
-
-// A solid and what it was made of.
-typedef struct known_solid {
-    sag_scene *scene;
-    sag_solid_step steps[2 * MAX_PARTS];
-    uint32_t step_count;
-    const struct known_solid *shown[MAX_PARTS]; // by parts that are instances
-} known_solid;
-
-static void add_part(rng *r, known_solid *k, double size, const known_solid *smaller) {
-    sag_affine map;
-    uint32_t id;
-    if (smaller != NULL && rng_one_in(r, 4)) {
-        random_place(r, size, &map);
-        id = sag_add_instance(k->scene, smaller->scene, &map);
-        k->shown[id] = smaller;
-    } else {
-        random_shape shape;
-        sag_shape_kind kind = kinds[rng_below(r, sizeof kinds / sizeof *kinds)];
-        do random_shape_make(r, kind, size, &shape);
-        while (sagi_shape_classes[kind].validate(&shape.as, NULL) != SAG_OK ||
-               sagi_shape_flaw(kind, &shape.as) != NULL);
-        id = sag_add_shape(k->scene, kind, &shape.as);
-        if (random_place(r, size, &map)) sag_geometry_set_transform(k->scene, id, &map);
-    }
-    k->steps[k->step_count++] = (sag_solid_step){SAG_SOLID_PART, id};
-}
-
-// A random tree of `parts` parts.
-static void add_tree(rng *r, known_solid *k, double size, uint32_t parts, const known_solid *smaller) {
-    uint32_t operands = 0;
-    while (parts > 0 && (parts > 1 || operands > 0)) {
-        uint32_t some = operands == 0 ? 1 + rng_below(r, parts - 1) : 1 + rng_below(r, parts);
-        add_tree(r, k, size, some, smaller);
-        parts -= some, operands++;
-    }
-    if (operands == 0)
-        add_part(r, k, size, smaller);
-    else
-        k->steps[k->step_count++] =
-            (sag_solid_step){(sag_solid_operation)(SAG_SOLID_UNION + rng_below(r, 4)), operands};
-}
-
-static void make_solid(rng *r, known_solid *k, double size, const known_solid *smaller) {
-    memset(k, 0, sizeof *k);
-    k->scene = sag_scene_create(context);
-    add_tree(r, k, size, 1 + rng_below(r, MAX_PARTS), smaller);
-    sag_error error = {0};
-    assert_int_equal(sag_scene_set_solid(k->scene, &(sag_solid){k->steps, k->step_count}, &error), SAG_OK);
-    assert_int_equal(sag_scene_commit(k->scene, &error), SAG_OK);
-}
-
-static bool value_of(const known_solid *k, const bool in[MAX_PARTS]) {
+static bool value_of(const shape_solid *k, const bool in[MAX_PARTS]) {
     bool stack[2 * MAX_PARTS];
     uint32_t height = 0;
     for (uint32_t i = 0; i < k->step_count; i++) {
@@ -109,7 +53,7 @@ static int by_t(const void *x, const void *y) {
 
 // The boundaries of a solid on the whole line, and whether it begins inside. False where crossings are so
 // close to each other that they might count as one.
-static bool boundaries(span_truth *w, const known_solid *k, const sag_ray *line, sag_hit *out, size_t *count,
+static bool boundaries(span_truth *w, const shape_solid *k, const sag_ray *line, sag_hit *out, size_t *count,
                        bool *inside) {
     const sagi_snapshot *s = sagi_scene_snapshot(k->scene);
     event *events = malloc(MAX_EVENTS * sizeof *events);
@@ -169,8 +113,8 @@ static void random_solids(void **state) {
     static span_truth w;
     size_t spans = 0, unclear = 0, rays = 0;
     for (size_t i = 0; i < soak(60); i++) {
-        known_solid solids[3], *last = NULL;
-        for (int k = 0; k < 3; k++) make_solid(&r, &solids[k], 1, last), last = &solids[k];
+        shape_solid solids[3], *last = NULL;
+        for (int k = 0; k < 3; k++) shape_solid_make(&r, context, &solids[k], 1, last), last = &solids[k];
         sag_scene *scene = sag_scene_create(context);
         sag_affine map[4];
         const sag_sphere ball = {.radius = 1};
