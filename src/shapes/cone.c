@@ -50,9 +50,17 @@ sag_box3 sag_cone_bounds(const sag_cone *c) {
 // Whether a span is in the nappe below the apex.
 static bool is_below(const sag_cone *c, const sag_ray *ray, double enter, double leave) {
     double up = ray->direction.z;
-    if (leave == INFINITY) return up < 0; // also a span without both ends: the solver cut off what is behind
+    if (leave == INFINITY) return up < 0;
     if (enter == -INFINITY) return up > 0;
     return sagi_ray_coordinate(ray->origin.z, c->height, enter * 0.5 + leave * 0.5, up).hi <= 0;
+}
+
+// A span without ends is one whose ends the solver did not look for as they are behind the ray, or a ray that
+// runs in the surface itself, through the apex. There the nappe ends.
+static void end_at_apex(const sag_cone *c, const sag_ray *ray, double *enter, double *leave) {
+    if (*enter != -INFINITY || *leave != INFINITY || ray->direction.z == 0) return;
+    double t = (c->height - ray->origin.z) / ray->direction.z;
+    *(ray->direction.z < 0 ? enter : leave) = t;
 }
 
 static void collect(const sag_cone *c, const sag_ray *ray, sagi_crossings *list) {
@@ -62,6 +70,7 @@ static void collect(const sag_cone *c, const sag_ray *ray, sagi_crossings *list)
     sagi_quadric_form form = form_of(c, size);
     sagi_spans all = sagi_quadric_spans(&form, ray), below = {0};
     for (int i = 0; i < all.count; i++) {
+        end_at_apex(c, ray, &all.enter[i], &all.leave[i]);
         if (!is_below(c, ray, all.enter[i], all.leave[i])) continue;
         below.enter[below.count] = all.enter[i];
         below.leave[below.count++] = all.leave[i];

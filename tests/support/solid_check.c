@@ -156,7 +156,7 @@ static void check_owner(solid_world *w, const sag_ray *ray, size_t count, size_t
     const model_crossing *c = w->crossings;
     if (first >= end || c[end - 1].t - c[first].t > 0.125 * tolerance(ray, c[first].t)) return;
     for (uint32_t i = 0; i < w->model->state_count; i++)
-        if ((before[i] == MEMBER_UNKNOWN) != (after[i] == MEMBER_UNKNOWN)) return;
+        if (before[i] == MEMBER_UNKNOWN || after[i] == MEMBER_UNKNOWN) return;
     const sag_hit *found = NULL;
     for (size_t i = 0; i < count; i++) {
         if (!(w->hits[i].t > from && w->hits[i].t < to)) continue;
@@ -220,7 +220,8 @@ static void check_normal(solid_world *w, const sag_ray *ray, const sag_hit *hit,
 }
 
 void solid_check_point(solid_world *w, sag_vec3 point, solid_tally *tally) {
-    spot where = spot_around(point, 0); // not exact: on a surface a point may count as either
+    // On a surface, to the tolerance of solid.h, a point may count as either.
+    spot where = spot_around(point, 0x1p-47 * largest(point));
     membership truth = truth_at(w, &where, w->states[2]);
     if (truth == MEMBER_UNKNOWN) {
         tally->undecided++;
@@ -298,5 +299,5 @@ void solid_tally_finish(const solid_tally *tally, const char *name) {
         name, tally->rays, tally->decisions, tally->wrong, tally->undecided, tally->boundaries, tally->owners,
         tally->normals);
     assert_int_equal(tally->wrong, 0);
-    assert_true(tally->undecided <= tally->decisions / 50);
+    assert_true(tally->undecided <= tally->decisions / 15);
 }

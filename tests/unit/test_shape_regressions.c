@@ -134,6 +134,26 @@ static void areas_at_the_ends_of_the_doubles(void **state) {
     assert_false(sag_box_sample(&speck, (sag_vec2){0.5, 0.5}, &s));
 }
 
+// A ray in a closed cone's surface, along a line from apex to base, met the base alone and never entered.
+static void cone_is_left_as_often_as_entered_along_its_side(void **state) {
+    (void)state;
+    const sag_cone cone = {.radius = 0.5, .height = 0.5, .closed = true};
+    sag_ray ray = {{-0.125, 0, 0.625}, {1, 0, -1}, -INFINITY, INFINITY, 0};
+    sag_hit hits[4];
+    for (int i = 0; i < 8; i++) {
+        if (i == 2) ray.origin = (sag_vec3){0.125, 0, 0.375}; // on it
+        if (i == 4) ray.origin = (sag_vec3){1, 0, -0.5};      // below
+        if (i == 6) ray.origin = (sag_vec3){0, 0, 0.5};       // the apex
+        size_t count = sag_cone_crossings(&cone, &ray, hits, 4);
+        assert_true(count % 2 == 0);
+        for (size_t k = 0; k < count; k++) {
+            double z = ray.origin.z + hits[k].t * ray.direction.z;
+            assert_true(z == (hits[k].primitive == 0 ? 0.5 : 0));
+        }
+        ray.direction = sag_neg(ray.direction);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hits_of_extreme_directions_have_surfaces),
@@ -142,6 +162,7 @@ int main(void) {
         cmocka_unit_test(needle_capsule_has_a_normal),
         cmocka_unit_test(polygon_is_met_where_the_ray_is),
         cmocka_unit_test(areas_at_the_ends_of_the_doubles),
+        cmocka_unit_test(cone_is_left_as_often_as_entered_along_its_side),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
