@@ -81,26 +81,31 @@ static __attribute__((noinline, cold)) solid_event slow_choose(solid_walk *w, do
     return next;
 }
 
-// As choose, for a group of more crossings than are kept, those after `from` up to `to`.
+// As choose, for a group of more crossings than are kept, those after `from` up to `to`. The tree's numbers
+// are made anew for the place before, from all parts: which of them the boxes have culled is not known here.
 static __attribute__((noinline, cold)) solid_event choose_from_all(solid_walk *w, double from, double to) {
-    enum { BACK, ALONE, TOGETHER, FORTH };
     const bool after = w->value;
-    const uint32_t count = w->solid->part_count;
+    const uint32_t count = w->solid->part_count, active_count = w->active_count;
+    uint32_t active[SOLID_ACTIVE];
+    int32_t number[SOLID_ACTIVE];
+    memcpy(active, w->active, sizeof active), memcpy(number, w->number, sizeof number);
+    memset(w->number, 0, sizeof w->number);
+    w->active_count = 0, w->value = false;
     solid_event owner = {.part = SAG_INVALID_ID}, next, unused;
-    uint32_t forth = 0; // parts below are in the state after
-    for (int pass = BACK; pass <= FORTH; pass++) {
-        if (pass == TOGETHER && owner.part != SAG_INVALID_ID) continue;
-        for (uint32_t i = pass == FORTH ? forth : 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++)
+        if (slow_state(w, i, from, &next)) toggle(w, i, true);
+    for (int together = 0; together < 2 && owner.part == SAG_INVALID_ID; together++)
+        for (uint32_t i = 0; i < count && owner.part == SAG_INVALID_ID; i++) {
             bool before = slow_state(w, i, from, &next);
             if (!(next.t <= to) || slow_state(w, i, to, &unused) == before) continue;
-            toggle(w, i, pass == BACK ? before : !before);
-            if ((pass == ALONE || pass == TOGETHER) && w->value == after) owner = next;
-            if (pass == ALONE) toggle(w, i, before);
-            if (pass == TOGETHER) forth = i + 1;
-            if (owner.part == i && pass != FORTH) break;
+            toggle(w, i, !before);
+            if (w->value == after) owner = next;
+            if (!together) toggle(w, i, before);
         }
-    }
-    return owner;
+    bool crowded = w->crowded;
+    memcpy(w->active, active, sizeof active), memcpy(w->number, number, sizeof number);
+    w->active_count = active_count, w->value = after, w->crowded = false;
+    return crowded ? slow_choose(w, from, to, after) : owner;
 }
 
 static __attribute__((noinline, cold)) bool slow_solid(question asked, solid_walk *w, double done,
