@@ -227,11 +227,6 @@ void solid_check_point(solid_world *w, sag_vec3 point, solid_tally *tally) {
         tally->undecided++;
         return;
     }
-    spot beyond = spot_at(sag_madd(point, 1e4 * (w->size + largest(point)),
-                                   (sag_vec3){0.41421356237309503, 0.7320508075688772, 0.2360679774997898}));
-    membership far = truth_at(w, &beyond, w->states[2]);
-    if (far == MEMBER_UNKNOWN) return;
-    if (far == MEMBER_IN) truth = -truth;
     tally->decisions++;
     if (sag_contains(w->scene, point) != (truth == MEMBER_IN)) {
         sag_ray at = sag_ray_make(point, (sag_vec3){0, 0, 0});
