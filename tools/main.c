@@ -6,8 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#define COMMAND_COUNT 3
-static const tool_command *const commands[COMMAND_COUNT] = {&tool_render, &tool_cast, &tool_info};
+#define COMMAND_COUNT 4
+static const tool_command *const commands[COMMAND_COUNT] = {&tool_render, &tool_cast, &tool_measure,
+                                                            &tool_info};
 
 static int print_help(FILE *file) {
     fputs("Sagitta " SAG_VERSION ": what does this ray hit?\n\n"
@@ -19,6 +20,7 @@ static int print_help(FILE *file) {
         "\nFILE is a pbrt-v4 scene (.pbrt) or any mesh Assimp reads (.obj .ply .stl .gltf .glb .fbx ...).\n\n"
         "  sagitta render dragon.ply -o dragon.png\n"
         "  sagitta cast bunny.obj --rays rays.csv -o hits.csv\n"
+        "  sagitta measure part.stl\n"
         "  sagitta info scene.pbrt\n\n"
         "'sagitta COMMAND --help' says more of each; 'sagitta --version' prints the version.\n"
         "Exit code: 0 fine, 1 failed, 2 bad usage.\n",

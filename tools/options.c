@@ -81,6 +81,24 @@ static int read_count(const tool_command *command, const option *o, const char *
     return 0;
 }
 
+static int read_number(const tool_command *command, const option *o, const char *value) {
+    char *end = NULL;
+    const bool starts = (value[0] >= '0' && value[0] <= '9') || value[0] == '.';
+    const double x = starts ? strtod(value, &end) : 0;
+    if (!starts || *end || !(x > o->least && x < o->most)) {
+        if (o->most > 1e300) {
+            usage_error(command->name, "--%s %s: expected a number greater than %g", o->name, value,
+                        o->least);
+        } else {
+            usage_error(command->name, "--%s %s: expected a number between %g and %g", o->name, value,
+                        o->least, o->most);
+        }
+        return -1;
+    }
+    *(double *)o->target = x;
+    return 0;
+}
+
 static int read_size(const tool_command *command, const option *o, const char *value) {
     uint32_t *size = o->target;
     char *end = NULL;
@@ -133,6 +151,7 @@ static int read_value(const tool_command *command, const option *o, const char *
         *(const char **)o->target = value;
         return 0;
     case OPTION_COUNT: return read_count(command, o, value);
+    case OPTION_NUMBER: return read_number(command, o, value);
     case OPTION_SIZE: return read_size(command, o, value);
     case OPTION_CHOICE: return read_choice(command, o, value);
     }

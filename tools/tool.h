@@ -20,7 +20,7 @@ typedef struct tool_command {
     int (*run)(const struct tool_command *command, int argc, char **argv);
 } tool_command;
 
-extern const tool_command tool_render, tool_cast, tool_info;
+extern const tool_command tool_render, tool_cast, tool_measure, tool_info;
 
 // ---------------------------------------------------------------------------------------------------------------
 // options.c
@@ -30,6 +30,7 @@ typedef enum option_kind {
     OPTION_FLAG,   // no value; *(bool *)target becomes true
     OPTION_TEXT,   // *(const char **)target
     OPTION_COUNT,  // a whole number in [minimum, maximum]; *(uint64_t *)target
+    OPTION_NUMBER, // between `least` and `most`, both excluded; *(double *)target
     OPTION_SIZE,   // WxH; (uint32_t *)target, two of them
     OPTION_CHOICE, // one of `choices`; *(int *)target becomes its index
 } option_kind;
@@ -40,6 +41,7 @@ typedef struct option {
     option_kind kind;
     void *target;
     uint64_t minimum, maximum;  // OPTION_COUNT
+    double least, most;         // OPTION_NUMBER
     const char *const *choices; // OPTION_CHOICE, ends in NULL
 } option;
 

@@ -59,6 +59,7 @@ typedef struct sag_body {
     uint32_t instance_path[SAG_MAX_INSTANCE_DEPTH]; ///< the instances that lead to it, outermost first
     uint32_t geometry;   ///< in the innermost scene; SAG_INVALID_ID for a solid, which is a scene itself
     sag_shape_kind kind; ///< SAG_SHAPE_INSTANCE for a solid
+    const void *shape;   ///< the description it was added with, alive as long as the geometry; NULL: a solid
     uint64_t user_data;  ///< of the geometry, or of the instance that shows the solid
     sag_body_state state;
     sag_box3 bounds;        ///< conservative

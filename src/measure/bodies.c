@@ -66,6 +66,7 @@ static bool add_body(sagi_body_list *list, const sagi_snapshot *s, const place *
     } else {
         subject->slot += geometry;
         body->kind = (sag_shape_kind)s->items[geometry].kind;
+        body->shape = s->entries[geometry].store->shape;
         body->user_data = s->entries[geometry].user_data;
     }
     const sag_box3 box = sagi_subject_box(subject, geometry);

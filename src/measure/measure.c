@@ -122,7 +122,7 @@ static sag_status measure_mesh(job *j, const scene_of_body *b, sagi_result *resu
     if (sums.raw.m[0] < 0)
         for (int k = 0; k < SAGI_RAW_COUNT; k++) sums.raw.m[k] = -sums.raw.m[k];
     result->moments = sagi_moments_from_raw(&sums.raw, middle);
-    result->volume_error = sums.volume_error > 0x1p-40 * result->moments.volume ? sums.volume_error : 0;
+    result->volume_error = sums.volume_error > 0x1p-30 * result->moments.volume ? sums.volume_error : 0;
     return SAG_OK;
 }
 
