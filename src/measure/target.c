@@ -10,6 +10,7 @@
 // sheet is not part of its boundary, go by depth instead: as many as are entered and not yet left.
 #include "measure/measure.h"
 #include "shapes/shape.h"
+#include <string.h>
 
 void sagi_line_buffer_release(sagi_line_buffer *buffer) {
     sag_release(buffer->context, buffer->hits, buffer->capacity * sizeof *buffer->hits);
@@ -17,18 +18,27 @@ void sagi_line_buffer_release(sagi_line_buffer *buffer) {
     buffer->hits = NULL, buffer->boundaries = NULL, buffer->capacity = 0;
 }
 
-static bool reserve(sagi_line_buffer *buffer, size_t count) {
+// Room for so many, keeping the first `kept` hits.
+static bool reserve(sagi_line_buffer *buffer, size_t count, size_t kept) {
     if (count <= buffer->capacity) return true;
     size_t capacity = 64;
     while (capacity < count) capacity *= 2;
+    sag_hit *hits = sag_allocate(buffer->context, capacity * sizeof *hits);
+    sagi_boundary *boundaries = sag_allocate(buffer->context, capacity * sizeof *boundaries);
+    if (hits == NULL || boundaries == NULL) {
+        sag_release(buffer->context, hits, capacity * sizeof *hits);
+        sag_release(buffer->context, boundaries, capacity * sizeof *boundaries);
+        buffer->failed = true;
+        return false;
+    }
+    if (kept > 0) memcpy(hits, buffer->hits, kept * sizeof *hits);
     sagi_line_buffer_release(buffer);
-    buffer->hits = sag_allocate(buffer->context, capacity * sizeof *buffer->hits);
-    buffer->boundaries = sag_allocate(buffer->context, capacity * sizeof *buffer->boundaries);
-    buffer->capacity = capacity;
-    if (buffer->hits != NULL && buffer->boundaries != NULL) return true;
-    sagi_line_buffer_release(buffer);
-    buffer->failed = true;
-    return false;
+    buffer->hits = hits, buffer->boundaries = boundaries, buffer->capacity = capacity;
+    return true;
+}
+
+static bool is_ours(const sagi_target *t, const sag_hit *hit) {
+    return t->geometry == SAG_INVALID_ID || (hit->instance_depth == 0 && hit->geometry == t->geometry);
 }
 
 // Whether the tree of the scene has to be asked.
@@ -36,19 +46,46 @@ static bool is_many(uint8_t kind) {
     return kind == SAG_SHAPE_MESH || kind == SAG_SHAPE_SPHERES || kind == SAG_SHAPE_USER;
 }
 
-static size_t crossings(const sagi_target *t, const sag_ray *ray, sag_hit *hits, size_t capacity) {
-    const sag_ray here = t->mapped ? sag_ray_transform(&t->place.to_object, ray) : *ray;
-    if (t->geometry == SAG_INVALID_ID || is_many(t->snapshot->items[t->geometry].kind))
-        return t->kernel->crossings(&t->snapshot->world, &here, true, hits, capacity);
+// Of a solid, or of one shape: all that there is.
+static size_t all_of(const sagi_target *t, const sag_ray *here, sag_hit *hits, size_t capacity) {
+    if (t->geometry == SAG_INVALID_ID)
+        return t->kernel->crossings(&t->snapshot->world, here, false, hits, capacity);
     const sagi_item *item = &t->snapshot->items[t->geometry];
-    const sag_ray local = item->place != NULL ? sag_ray_transform(&item->place->to_object, &here) : here;
+    const sag_ray local = item->place != NULL ? sag_ray_transform(&item->place->to_object, here) : *here;
     const size_t count = sagi_shape_classes[item->kind].crossings(item->shape, &local, hits, capacity);
     for (size_t i = 0; i < count && i < capacity; i++) hits[i].geometry = t->geometry;
     return count;
 }
 
-static bool is_ours(const sagi_target *t, const sag_hit *hit) {
-    return t->geometry == SAG_INVALID_ID || (hit->instance_depth == 0 && hit->geometry == t->geometry);
+// Of many: what is ours of what the tree has.
+typedef struct chooser {
+    const sagi_target *target;
+    sagi_line_buffer *buffer;
+    size_t count;
+} chooser;
+
+static void choose(void *user, const sag_hit *hit) {
+    chooser *c = user;
+    if (!is_ours(c->target, hit) || !reserve(c->buffer, c->count + 1, c->count)) return;
+    sag_hit *hits = c->buffer->hits;
+    size_t at = c->count;
+    while (at > 0 && sagi_hit_before(hit, &hits[at - 1])) at--;
+    if (at > 0 && !sagi_hit_before(&hits[at - 1], hit)) return; // once more the same
+    memmove(hits + at + 1, hits + at, (c->count++ - at) * sizeof *hits);
+    hits[at] = *hit;
+}
+
+// The body's crossings in order, in buffer->hits.
+static size_t crossings(const sagi_target *t, const sag_ray *ray, sagi_line_buffer *buffer) {
+    const sag_ray here = t->mapped ? sag_ray_transform(&t->place.to_object, ray) : *ray;
+    if (t->geometry != SAG_INVALID_ID && is_many(t->snapshot->items[t->geometry].kind)) {
+        chooser c = {t, buffer, 0};
+        t->kernel->visit(&t->snapshot->world, &here, &(sagi_visitor){choose, &c});
+        return c.count;
+    }
+    const size_t count = all_of(t, &here, buffer->hits, buffer->capacity);
+    if (count <= buffer->capacity) return count;
+    return reserve(buffer, count, 0) ? all_of(t, &here, buffer->hits, buffer->capacity) : 0;
 }
 
 void sagi_target_surface(const sagi_target *t, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
@@ -61,14 +98,10 @@ void sagi_target_surface(const sagi_target *t, const sag_ray *ray, const sag_hit
 }
 
 size_t sagi_target_cross(const sagi_target *t, const sag_ray *ray, sagi_line_buffer *buffer) {
-    size_t count = crossings(t, ray, buffer->hits, buffer->capacity), boundaries = 0;
-    if (count > buffer->capacity) {
-        if (!reserve(buffer, count)) return 0;
-        count = crossings(t, ray, buffer->hits, buffer->capacity);
-    }
+    const size_t count = crossings(t, ray, buffer);
+    size_t boundaries = 0;
     int depth = 0;
     for (size_t i = 0; i < count; i++) {
-        if (!is_ours(t, &buffer->hits[i])) continue;
         bool entering = depth == 0;
         if (t->by_depth) {
             sag_surface s;
@@ -85,29 +118,37 @@ size_t sagi_target_cross(const sagi_target *t, const sag_ray *ray, sagi_line_buf
 
 // The nearest hit of the tree, when it is known to be the answer.
 static bool nearest(const sagi_target *t, const sag_ray *ray, sag_hit *hit) {
-    if (t->by_depth) return false;
-    if (t->geometry != SAG_INVALID_ID) {
-        const sagi_item *item = &t->snapshot->items[t->geometry];
-        if (item->kind != SAG_SHAPE_MESH || ((const sag_mesh *)item->shape)->one_sided) return false;
-    }
+    const sagi_item *item = &t->snapshot->items[t->geometry];
+    if (item->kind != SAG_SHAPE_MESH || ((const sag_mesh *)item->shape)->one_sided) return false;
     const sag_ray here = t->mapped ? sag_ray_transform(&t->place.to_object, ray) : *ray;
     return t->kernel->intersect(&t->snapshot->world, &here, hit) && is_ours(t, hit);
 }
 
+// A solid is asked for all crossings of a part on the line, and a root next to the ray's origin, to 4 ulp,
+// takes many digits. So the ray begins well before its first point, and its range just beyond where that is
+// to rounding.
+static bool solid_inward(const sagi_target *t, const sag_ray *ray, double *end) {
+    const double reach = sag_length(sag_sub(t->box.max, t->box.min));
+    sag_ray back = *ray;
+    back.origin = sag_madd(ray->origin, -reach, ray->direction);
+    back.t_min = reach + 0x1p-46 * (reach + sag_max_component(sag_abs(back.origin)));
+    sag_hit hit;
+    if (t->mapped) back = sag_ray_transform(&t->place.to_object, &back);
+    if (!t->kernel->intersect(&t->snapshot->world, &back, &hit)) return false;
+    *end = hit.t - reach;
+    return true;
+}
+
 bool sagi_target_inward(const sagi_target *t, const sag_ray *ray, sagi_line_buffer *buffer, double *end) {
+    if (t->geometry == SAG_INVALID_ID) return solid_inward(t, ray, end);
     sag_hit hit;
     if (nearest(t, ray, &hit)) {
         *end = hit.t;
         return true;
     }
-    size_t count = crossings(t, ray, buffer->hits, buffer->capacity);
-    if (count > buffer->capacity) {
-        if (!reserve(buffer, count)) return false;
-        count = crossings(t, ray, buffer->hits, buffer->capacity);
-    }
+    const size_t count = crossings(t, ray, buffer);
     int depth = 1;
     for (size_t i = 0; i < count; i++) {
-        if (!is_ours(t, &buffer->hits[i])) continue;
         *end = buffer->hits[i].t;
         if (!t->by_depth) return true;
         sag_surface s;
