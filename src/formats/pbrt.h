@@ -68,6 +68,7 @@ typedef struct sagi_object {
     sag_scene *scene;
     uint32_t solid; // all of it as a solid: index + 1; 0: nobody asked yet
     size_t part_first, part_count;
+    size_t weight; // primitives of its parts, written out
     bool committed;
 } sagi_object;
 
@@ -75,7 +76,7 @@ typedef struct sagi_object {
 typedef struct sagi_solid {
     sag_scene *scene;
     size_t part_first, part_count;
-    size_t weight; // parts, a mesh counting as many as it has triangles
+    size_t weight; // primitives of its parts
 } sagi_solid;
 
 // An operation of a solid that is being read, with as many operands as it has so far.

@@ -1,34 +1,33 @@
 // SPDX-License-Identifier: MIT
 // Objects of a pbrt scene: ObjectBegin "name" … ObjectEnd, and their instances.
 //
-// An object is a scene of its own. Within a solid an instance of it means the union of its bodies: the first
-// such instance makes a second scene of the object's shapes, which is that solid. An object that is one solid
-// and nothing else needs no scene around it: its instances place the solid itself.
+// An object is a scene of its own. One that is a solid and nothing else needs no scene around it: its
+// instances place the solid itself.
 //
-// Within a solid, a solid that is not large is written out, part by part, with its operations: the solid that
-// takes it in then has one tree for all, of which a ray asks the parts one by one, while an instance has to
-// say at once where it begins and ends along the whole ray. For unions of unions of struts that is twenty
-// times as fast. Large ones are instances, so that a mesh is not copied and objects of objects of objects do
-// not fill the memory.
+// Within a solid an instance of an object means the union of its bodies. It is written out, part by part with
+// the operations of its solids: the solid that takes it in then has one tree for all, of which a ray asks the
+// parts one by one, while an instance has to say at once where it begins and ends along the whole ray. For
+// unions of unions of struts that is twenty times as fast. What is large is an instance all the same, of a
+// solid that is made of the object when one is first asked for: so a mesh is not copied and objects of
+// objects of objects do not fill the memory.
 #include "formats/pbrt_blocks.h"
 #include "formats/pbrt_solid.h"
 
 #include <string.h>
 
-#define MAX_WRITTEN_OUT 4096  // the weight of a solid up to which it is
-#define MAX_PARTS       65536 // of the solid that takes it in
+#define MAX_WRITTEN_OUT 4096  // primitives that are written out together
+#define MAX_TAKEN_IN    65536 // into one solid
 
-sag_status sagi_pbrt_object_part(sagi_pbrt *p, sagi_place place, uint32_t geometry,
-                                 const sag_appearance *look, uint32_t solid) {
+sag_status sagi_pbrt_object_part(sagi_pbrt *p, const sagi_part *part, size_t weight) {
     void *parts = p->object_parts;
     if (!sagi_pbrt_reserve(p, &parts, &p->object_part_allocated, p->object_part_count,
                            sizeof *p->object_parts))
         return sagi_pbrt_out_of_memory(p);
     p->object_parts = parts;
-    sagi_part *part = &p->object_parts[p->object_part_count++];
-    *part = (sagi_part){.place = place, .geometry = geometry, .solid = solid};
-    if (look) part->look = *look;
-    p->objects[p->object_count - 1].part_count++;
+    p->object_parts[p->object_part_count++] = *part;
+    sagi_object *object = &p->objects[p->object_count - 1];
+    object->part_count++;
+    object->weight += weight;
     return SAG_OK;
 }
 
@@ -95,99 +94,119 @@ static const void *with_caps(sag_shape_kind kind, const void *shape, capped *cop
     return shape;
 }
 
-// A geometry of a finished scene, object or solid, put into the open solid.
-static sag_status add_part(sagi_pbrt *p, const sag_scene *scene, const sagi_part *part,
-                           const sag_affine *map) {
-    sag_affine placed;
+static bool fits(const sagi_pbrt *p, size_t weight) {
+    return weight <= MAX_WRITTEN_OUT && p->solid.part_count + weight <= MAX_TAKEN_IN;
+}
+
+// Where a geometry of a finished scene stands when the scene is placed; `map` NULL: as it is.
+static sag_status placed_by(const sag_scene *scene, uint32_t geometry, const sag_affine *map,
+                            sag_affine *placed) {
+    const sag_status status = sag_geometry_get_transform(scene, geometry, placed);
+    if (status == SAG_OK && map) *placed = sag_affine_multiply(map, placed);
+    return status;
+}
+
+static sag_status add_shape(sagi_pbrt *p, const sag_scene *scene, const sagi_part *part,
+                            const sag_affine *placed) {
     sag_shape_kind kind;
     const void *shape;
     capped copy;
-    sag_status status = sag_geometry_get(scene, part->geometry, &kind, &shape);
-    if (status == SAG_OK) status = sag_geometry_get_transform(scene, part->geometry, &placed);
-    if (status != SAG_OK) return sagi_pbrt_out_of_memory(p);
-    if (map) placed = sag_affine_multiply(map, &placed);
-    return part->solid ? sagi_pbrt_solid_instance(p, part->place, part->solid - 1, &placed)
-                       : sagi_pbrt_solid_shape(p, part->place, kind, with_caps(kind, shape, &copy), &placed,
-                                               &part->look);
+    const sag_status status = sag_geometry_get(scene, part->geometry, &kind, &shape);
+    if (status != SAG_OK) return status;
+    return sagi_pbrt_solid_shape(p, part->place, kind, with_caps(kind, shape, &copy), placed, &part->look);
 }
 
-// A solid's parts and operations become the open one's.
-static sag_status write_out(sagi_pbrt *p, const sagi_solid *solid, const sag_affine *map) {
+// A solid as an operand: its parts and operations become the open one's, or it is an instance.
+static sag_status add_solid(sagi_pbrt *p, sagi_place place, uint32_t index, const sag_affine *map) {
+    const sagi_solid *solid = &p->solids[index];
+    if (!fits(p, solid->weight)) return sagi_pbrt_solid_instance(p, place, index, map);
     const sag_solid tree = sag_scene_get_solid(solid->scene);
     sag_status status = SAG_OK;
     for (uint32_t i = 0; i < tree.step_count && status == SAG_OK; i++) {
         const sag_solid_step *step = &tree.steps[i];
-        status = step->operation == SAG_SOLID_PART
-                     ? add_part(p, solid->scene, &p->solid_parts[solid->part_first + step->number], map)
-                     : sagi_pbrt_solid_step(p, step->operation, step->number);
+        if (step->operation != SAG_SOLID_PART) {
+            status = sagi_pbrt_solid_step(p, step->operation, step->number);
+            continue;
+        }
+        const sagi_part *part = &p->solid_parts[solid->part_first + step->number];
+        sag_affine placed;
+        status = placed_by(solid->scene, part->geometry, map, &placed);
+        if (status != SAG_OK) break;
+        status = part->solid // was too large before
+                     ? sagi_pbrt_solid_instance(p, part->place, part->solid - 1, &placed)
+                     : add_shape(p, solid->scene, part, &placed);
     }
     return status;
 }
 
-// Puts the geometries of an object into the open solid.
-static sag_status add_parts(sagi_pbrt *p, sagi_place place, const sagi_object *object, const char *name) {
-    sag_status status = SAG_OK;
-    for (size_t i = 0; i < object->part_count && status == SAG_OK; i++) {
+// The union of an object's bodies as an operand.
+static sag_status add_object(sagi_pbrt *p, sagi_place place, const sagi_object *object, const char *name,
+                             const sag_affine *map) {
+    for (size_t i = 0; i < object->part_count; i++) {
         const sagi_part *part = &p->object_parts[object->part_first + i];
+        sag_affine placed;
         sag_shape_kind kind;
         const void *shape;
-        if (sag_geometry_get(object->scene, part->geometry, &kind, &shape) != SAG_OK)
-            return sagi_pbrt_out_of_memory(p);
+        sag_status status = sag_geometry_get(object->scene, part->geometry, &kind, &shape);
+        if (status == SAG_OK) status = placed_by(object->scene, part->geometry, map, &placed);
+        if (status != SAG_OK) return status;
         const char *const wrong = part->solid ? NULL : sagi_pbrt_not_closed(kind, shape);
         int line, column;
-        sagi_place_find(part->place, &line, &column);
-        if (wrong)
+        if (wrong) {
+            sagi_place_find(part->place, &line, &column);
             return sagi_place_error(place, p->error,
                                     "the object \"%.100s\" cannot be a part of a solid: its %s of line %d %s",
                                     name, sag_shape_kind_name(kind), line, wrong);
-        sagi_pbrt_solid_operand(p);
-        status = add_part(p, object->scene, part, NULL);
+        }
+        status = part->solid ? add_solid(p, part->place, part->solid - 1, &placed)
+                             : add_shape(p, object->scene, part, &placed);
+        if (status != SAG_OK) return status;
     }
-    return status;
+    if (object->part_count == 0)
+        return sagi_place_error(place, p->error, "the object \"%.100s\" is empty and no part for a solid",
+                                name);
+    return sagi_pbrt_solid_step(p, SAG_SOLID_UNION, (uint32_t)object->part_count);
 }
 
-// The union of an object's bodies, made when it is first asked for.
+// A scene for that.
 static sag_status make_solid(sagi_pbrt *p, sagi_place place, sagi_object *object, const char *name) {
     const sagi_solid_reader outer = p->solid;
-    sagi_solid_level level = {.operation = SAG_SOLID_UNION, .place = place};
-    p->solid =
-        (sagi_solid_reader){.scene = sag_world_add_object(p->world), .levels = &level, .level_count = 1};
+    p->solid = (sagi_solid_reader){.scene = sag_world_add_object(p->world)};
     uint32_t index;
-    sag_status status = p->solid.scene ? add_parts(p, place, object, name) : sagi_pbrt_out_of_memory(p);
-    if (status == SAG_OK) status = sagi_pbrt_solid_step(p, SAG_SOLID_UNION, level.operand_count);
+    sag_status status =
+        p->solid.scene ? add_object(p, place, object, name, NULL) : sagi_pbrt_out_of_memory(p);
     if (status == SAG_OK) status = sagi_pbrt_solid_commit(p, place, &index);
     if (status == SAG_OK) object->solid = index + 1;
-    p->solid.levels = NULL;
     sagi_pbrt_solid_clear(p);
     p->solid = outer;
     return status;
 }
 
-// The solid that an object is within solids, and how that stands in the object's space.
-static sag_status solid_of(sagi_pbrt *p, sagi_place place, sagi_object *object, const char *name,
-                           uint32_t *solid, sag_affine *placed) {
-    const sagi_part *part = &p->object_parts[object->part_first];
-    if (object->part_count == 0)
-        return sagi_place_error(place, p->error, "the object \"%.100s\" is empty and no part for a solid",
-                                name);
-    if (object->part_count == 1 && part->solid) {
-        *solid = part->solid - 1;
-        return sag_geometry_get_transform(object->scene, part->geometry, placed);
-    }
-    if (!object->solid) {
-        const sag_status status = make_solid(p, place, object, name);
-        if (status != SAG_OK) return status;
-    }
-    *solid = object->solid - 1;
-    *placed = sag_affine_identity();
-    return SAG_OK;
+// The solid that is all there is in an object: index + 1, and where it stands; 0: there is more, or none.
+static uint32_t only_solid(const sagi_pbrt *p, const sagi_object *object, sag_affine *placed) {
+    if (object->part_count != 1) return 0;
+    const sagi_part *only = &p->object_parts[object->part_first];
+    if (!only->solid || placed_by(object->scene, only->geometry, &p->state.ctm, placed) != SAG_OK) return 0;
+    return only->solid;
+}
+
+// An instance as the next operand of the open solid.
+static sag_status operand(sagi_pbrt *p, sagi_place place, sagi_object *object, const char *name) {
+    const sag_affine *const map = &p->state.ctm;
+    sag_affine placed;
+    const uint32_t only = only_solid(p, object, &placed);
+    sagi_pbrt_solid_operand(p);
+    if (only) return add_solid(p, place, only - 1, &placed);
+    if (fits(p, object->weight)) return add_object(p, place, object, name, map);
+    const sag_status status = object->solid ? SAG_OK : make_solid(p, place, object, name);
+    return status == SAG_OK ? sagi_pbrt_solid_instance(p, place, object->solid - 1, map) : status;
 }
 
 sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
     char name[1024];
     sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
     if (status != SAG_OK) return status;
-    uint32_t index, solid = 0;
+    uint32_t index;
     if (p->in_object && !p->solid.scene)
         return sagi_place_error(place, p->error, "ObjectInstance within an object");
     if (!sagi_names_get(&p->object_names, (sagi_slice){name, strlen(name)}, &index))
@@ -199,18 +218,9 @@ sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
     if (!sag_affine_inverse(&p->state.ctm, &inverse))
         return sagi_place_error(place, p->error,
                                 "the object \"%.100s\" cannot be placed: the transform is singular", name);
-    const bool is_solid = object->part_count == 1 && p->object_parts[object->part_first].solid != 0;
-    sag_affine placed = sag_affine_identity();
-    if (is_solid || p->solid.scene) status = solid_of(p, place, object, name, &solid, &placed);
-    if (status != SAG_OK) return status;
-    placed = sag_affine_multiply(&p->state.ctm, &placed);
-    if (p->solid.scene) {
-        const sagi_solid *it = &p->solids[solid];
-        sagi_pbrt_solid_operand(p);
-        return it->weight <= MAX_WRITTEN_OUT && p->solid.part_count + it->part_count <= MAX_PARTS
-                   ? write_out(p, it, &placed)
-                   : sagi_pbrt_solid_instance(p, place, solid, &placed);
-    }
-    sag_scene *scene = is_solid ? p->solids[solid].scene : object->scene;
+    if (p->solid.scene) return operand(p, place, object, name);
+    sag_affine placed = p->state.ctm;
+    const uint32_t only = only_solid(p, object, &placed);
+    sag_scene *scene = only ? p->solids[only - 1].scene : object->scene;
     return sag_add_instance(p->scene, scene, &placed) != SAG_INVALID_ID ? SAG_OK : sagi_pbrt_out_of_memory(p);
 }

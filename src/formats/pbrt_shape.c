@@ -91,7 +91,8 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
         if (status != SAG_OK) return sagi_params_fail(&p->params, NULL, "the transform is singular");
     }
     if (p->in_object) {
-        const sag_status status = sagi_pbrt_object_part(p, p->params.place, geometry, &look, 0);
+        const sagi_part part = {.look = look, .place = p->params.place, .geometry = geometry};
+        const sag_status status = sagi_pbrt_object_part(p, &part, sagi_pbrt_weight(kind, shape));
         if (status != SAG_OK) return status;
     }
     if (p->options->geometry_only) return SAG_OK;

@@ -94,6 +94,11 @@ static sag_status add_part(sagi_pbrt *p, const sagi_part *part, size_t weight) {
     return sagi_pbrt_solid_step(p, SAG_SOLID_PART, part->geometry);
 }
 
+size_t sagi_pbrt_weight(sag_shape_kind kind, const void *shape) {
+    if (kind == SAG_SHAPE_MESH) return ((const sag_mesh *)shape)->triangle_count;
+    return kind == SAG_SHAPE_SPHERES ? ((const sag_spheres *)shape)->count : 1;
+}
+
 static sag_status add_shape(sagi_pbrt *p, sagi_place place, sag_shape_kind kind, const void *shape,
                             const sag_affine *placed, const sag_appearance *look) {
     sag_scene *scene = p->solid.scene;
@@ -109,8 +114,8 @@ static sag_status add_shape(sagi_pbrt *p, sagi_place place, sag_shape_kind kind,
     if (status == SAG_OK && !p->options->geometry_only)
         status = sag_world_set_appearance(p->world, scene, geometry, look);
     if (status != SAG_OK) return sagi_pbrt_out_of_memory(p);
-    const size_t weight = kind == SAG_SHAPE_MESH ? ((const sag_mesh *)shape)->triangle_count : 1;
-    return add_part(p, &(sagi_part){.look = *look, .place = place, .geometry = geometry}, weight);
+    return add_part(p, &(sagi_part){.look = *look, .place = place, .geometry = geometry},
+                    sagi_pbrt_weight(kind, shape));
 }
 
 // One sphere of a set; false for one that a scene drops.
@@ -268,7 +273,8 @@ static sag_status close_scene(sagi_pbrt *p, sagi_place place) {
     if (status != SAG_OK) return status;
     const uint32_t geometry = sag_add_instance(p->scene, scene, &s->to_outside);
     if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
-    return p->in_object ? sagi_pbrt_object_part(p, place, geometry, NULL, index + 1) : SAG_OK;
+    const sagi_part part = {.place = place, .geometry = geometry, .solid = index + 1};
+    return p->in_object ? sagi_pbrt_object_part(p, &part, p->solids[index].weight) : SAG_OK;
 }
 
 sag_status sagi_pbrt_solid_end(sagi_pbrt *p, sagi_place place) {

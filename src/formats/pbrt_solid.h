@@ -25,10 +25,10 @@ sag_status sagi_pbrt_solid_step(sagi_pbrt *p, sag_solid_operation operation, uin
 // has the place of that in the file, any other the solid's. With `index` it is kept in p->solids for others.
 sag_status sagi_pbrt_solid_commit(sagi_pbrt *p, sagi_place place, uint32_t *index);
 
-// A geometry of the open object (pbrt_object.c); `solid` is index + 1 of the one that it is an instance of,
-// or 0.
-sag_status sagi_pbrt_object_part(sagi_pbrt *p, sagi_place place, uint32_t geometry,
-                                 const sag_appearance *look, uint32_t solid);
+// A geometry of the open object (pbrt_object.c).
+sag_status sagi_pbrt_object_part(sagi_pbrt *p, const sagi_part *part, size_t weight);
+// How many primitives a shape has.
+size_t sagi_pbrt_weight(sag_shape_kind kind, const void *shape);
 sag_status sagi_pbrt_object_begin(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_object_end(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place);

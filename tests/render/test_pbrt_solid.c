@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "render/world.h"
@@ -115,6 +116,27 @@ static void test_objects(void **state) {
             0, 0, 1, 2.5, 3.5, 5);
 }
 
+// What is small is written out, what is large is an instance: either way it is the same solid.
+static void test_large_objects(void **state) {
+    (void)state;
+    for (int count = 4000; count <= 5000; count += 1000) {
+        const size_t size = (size_t)count * 32 + 1024;
+        char *text = malloc(size);
+        assert_non_null(text);
+        size_t length = (size_t)snprintf(text, size,
+                                         W "ObjectBegin \"balls\" Shape \"spheres\" \"float radius\" "
+                                           "0.25 \"point3 P\" [ 0 0 1");
+        for (int i = 0; i < count; i++)
+            length += (size_t)snprintf(text + length, size - length, "\n%d 1 2", i % 500);
+        snprintf(text + length, size - length,
+                 "] ObjectEnd\nObjectBegin \"more\" SolidBegin \"union\" Translate 0 0 2 ObjectInstance "
+                 "\"balls\" SolidEnd ObjectEnd\nSolidBegin \"difference\"" BOX(
+                     "0", "4") "ObjectInstance \"balls\" ObjectInstance \"more\" SolidEnd");
+        CROSSES(text, 0, 0, 0, 0.75, 1.25, 2.75, 3.25, 4);
+        free(text);
+    }
+}
+
 // Each kind of body: the ray enters once and leaves once.
 static void test_bodies(void **state) {
     (void)state;
@@ -210,7 +232,7 @@ static void test_errors(void **state) {
     scene_fails(W "ObjectBegin \"a\" ObjectEnd\nSolidBegin \"union\"\n ObjectInstance \"a\"", 4, 2,
                 "is empty");
     scene_fails(W "ObjectBegin \"a\"\n  Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] ObjectEnd\n"
-                  "SolidBegin \"union\" ObjectInstance \"a\"",
+                  "SolidBegin \"union\" ObjectInstance \"a\" SolidEnd",
                 3, 3, "not closed");
 }
 
@@ -269,10 +291,10 @@ static void test_out_of_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_operations),    cmocka_unit_test(test_transforms_and_blocks),
-        cmocka_unit_test(test_objects),       cmocka_unit_test(test_bodies),
-        cmocka_unit_test(test_errors),        cmocka_unit_test(test_looks),
-        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_operations), cmocka_unit_test(test_transforms_and_blocks),
+        cmocka_unit_test(test_objects),    cmocka_unit_test(test_large_objects),
+        cmocka_unit_test(test_bodies),     cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_looks),      cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, scene_setup, scene_teardown);
 }
