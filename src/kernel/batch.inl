@@ -78,6 +78,9 @@ SAGI_INLINE float bits_float(uint32_t bits) {
     return x;
 }
 
+// Either, whatever the processor guesses: no branch.
+#define EITHER(condition, a, b) (__builtin_expect_with_probability((condition), 1, 0.5) ? (a) : (b))
+
 // Sends the flight where (begin, child) says, or first to take note of what it met. Which it will be nobody
 // can foresee, so nothing here is a branch.
 SAGI_INLINE void send(crowd *c, flight *f, uint32_t begin, uint32_t child, bool met) {
@@ -87,8 +90,8 @@ SAGI_INLINE void send(crowd *c, flight *f, uint32_t begin, uint32_t child, bool 
     f->begin = begin, f->at = at;
     __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
     __builtin_prefetch(at + c->memory[leaf].last_line);
-    e = begin > float_bits(f->here.limit) ? AT_LOOK : e;
-    e = met ? AT_MET : e;
+    e = EITHER(begin > float_bits(f->here.limit), AT_LOOK, e);
+    e = EITHER(met, AT_MET, e);
     queue_up(c, (errand)e, f);
 }
 
@@ -174,7 +177,8 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
         if (__builtin_expect(height > FLIGHT_STACK, 0))
             go_alone(asked, c, f);
         else
-            send(c, f, mask != 0 ? near_begin : top_begin, mask != 0 ? near_child : top_child, false);
+            send(c, f, EITHER(mask != 0, near_begin, top_begin), EITHER(mask != 0, near_child, top_child),
+                 false);
     }
 }
 
@@ -316,8 +320,10 @@ static void intersect_batch(const sagi_world *world, const sag_ray *rays, sag_hi
         c.rays = rays + first, c.hits = hits + first, c.count = 0;
         for (size_t i = first, next; i < end; i = next) {
             next = end - i < PACKET_RAYS ? end : i + PACKET_RAYS;
-            if (next - i == PACKET_RAYS && packet_intersect(world, rays + i, hits + i, &luck)) continue;
-            for (; i < next; i++) number[c.count++] = (uint16_t)(i - first);
+            uint32_t left = next - i == PACKET_RAYS ? packet_intersect(world, rays + i, hits + i, &luck)
+                                                    : (1U << (next - i)) - 1;
+            for (; left != 0; left &= left - 1)
+                number[c.count++] = (uint16_t)(i - first + (size_t)__builtin_ctz(left));
         }
         trace_crowd(CLOSEST, &c);
     }

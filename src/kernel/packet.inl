@@ -3,8 +3,8 @@
 // one, and a block's triangles are prepared once for all of them. Part of kernel.inl.
 //
 // The packet answers only what is certain: a ray whose nearest hit is one triangle beyond doubt has it solved
-// as any other ray has, and for the rest the single walk is asked. So the answers are those of the single
-// call, whatever the rays are.
+// as any other ray has, and the rest go on alone, with the crowd (batch.inl). So the answers are those of the
+// single call, whatever the rays are.
 //
 // Walking. Let P be the common origin (ray.h has the units) and the Dᵢ have the same signs. A slab that a ray
 // meets at N = (b − P)/Dᵢ ≥ 0 is met no sooner by a ray with the packet's largest |Dᵢ|, and left no later by
@@ -49,12 +49,17 @@
 #define PACKET_GROUPS 2 // of eight rays
 #define PACKET_RAYS   (8 * PACKET_GROUPS)
 #define PACKET_BLOCKS 256 // that nearest triangles may stand in
-#define PACKET_STEPS  96  // a packet that needs more is not worth it
+#define PACKET_WORK   80  // a packet that needs more, in steps through nodes, is not worth it
 
-// Rays that gave little reason to try packets leave some of the next alone.
+// After some packets in a row that were not worth it, or were none, more and more of the next go untried.
 typedef struct packet_luck {
-    uint32_t wait, last_wait;
+    uint32_t wait, poor;
 } packet_luck;
+
+static inline void note_luck(packet_luck *luck, bool poor) {
+    luck->poor = !poor ? luck->poor / 2 : luck->poor < 9 ? luck->poor + 1 : 9;
+    luck->wait = poor && luck->poor > 3 ? (1U << (luck->poor - 3)) - 1 : 0;
+}
 
 typedef struct packet {
     const sagi_world *world;
@@ -69,6 +74,7 @@ typedef struct packet {
     double t_min, error;             // as in sagi_float_ray
     uint32_t mask;
     uint32_t undecided; // rays
+    uint32_t work;      // done so far
     uint32_t block_count;
     const sagi_triangle_block *blocks[PACKET_BLOCKS];
 } packet;
@@ -146,7 +152,7 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
     p->t_min = first, p->t_max = (float)(last * (1 - 0x1p-22));
     p->error = 0x1p-43 + spread;
     p->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;
-    p->undecided = 0, p->block_count = 0;
+    p->undecided = 0, p->work = 0, p->block_count = 0;
     for (size_t i = 0; i < PACKET_GROUPS; i++) {
         sagi_f4 d[8];
         for (size_t j = 0; j < 8; j++)
@@ -294,6 +300,7 @@ SAGI_INLINE void packet_leaf(packet *p, const sagi_block *leaf, float begin) {
     packet_block at;
     prepare_block(&at, p, block, begin);
     p->blocks[p->block_count] = block;
+    p->work += 2 + (uint32_t)__builtin_popcount(at.left); // it takes as long as so many steps, about
     for (uint32_t left = at.left; left != 0; left &= left - 1) {
         SAGI_KERNEL_COUNT(packet_triangles);
         for (size_t i = 0; i < PACKET_GROUPS; i++)
@@ -316,10 +323,10 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     waiting next = {0, 0};
     float limit = packet_limit(p);
     const slabs r = slabs_of(walker);
-    for (uint32_t steps = 0;;) {
+    for (;;) {
         if ((next.child & SAGI_BVH_LEAF) == 0) {
             SAGI_KERNEL_COUNT(packet_nodes);
-            if (++steps > PACKET_STEPS) {
+            if (++p->work > PACKET_WORK) {
                 give_up_from(p, next.begin);
                 limit = packet_limit(p);
             } else if (step(CLOSEST, &tree->nodes[next.child], &r, limit, &waits, &next)) {
@@ -359,35 +366,32 @@ static void packet_solve(const packet *p, const sag_ray *rays, const uint32_t *w
     }
 }
 
-// The closest hits of PACKET_RAYS rays, where they are a packet; else does nothing and says false.
-static bool packet_intersect(const sagi_world *world, const sag_ray *rays, sag_hit *hits, packet_luck *luck) {
+#define PACKET_ALL ((uint32_t)((UINT64_C(1) << PACKET_RAYS) - 1))
+
+// The closest hits of PACKET_RAYS rays, except those it returns, which are all when they are no packet.
+static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, sag_hit *hits,
+                                 packet_luck *luck) {
     if (luck->wait > 0) {
         luck->wait--;
-        return false;
+        return PACKET_ALL;
     }
-    if (world->unbounded_count != 0 || world->tree.node_count == 0) return false;
+    if (world->unbounded_count != 0 || world->tree.node_count == 0) return PACKET_ALL;
     packet p;
     sagi_float_ray walker;
-    if (!packet_make(&p, &walker, world, rays)) return false;
+    if (!packet_make(&p, &walker, world, rays)) {
+        note_luck(luck, true);
+        return PACKET_ALL;
+    }
     packet_walk(&p, &walker);
     uint32_t missing = 0, which[PACKET_RAYS], count = 0;
     for (uint32_t i = 0; i < PACKET_GROUPS; i++) missing |= sagi_i8_mask(p.nearest[i] < 0) << 8 * i;
-    for (uint32_t left = ~(p.undecided | missing) & (uint32_t)((UINT64_C(1) << PACKET_RAYS) - 1); left != 0;
-         left &= left - 1)
+    missing &= ~p.undecided;
+    for (uint32_t left = PACKET_ALL & ~(p.undecided | missing); left != 0; left &= left - 1)
         which[count++] = (uint32_t)__builtin_ctz(left);
     for (uint32_t i = 0; i < count; i += 4)
         packet_solve(&p, rays, which + i, count - i < 4 ? count - i : 4, hits);
-    for (uint32_t left = p.undecided; left != 0; left &= left - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(left);
-        if (!intersect(world, &rays[i], &hits[i]))
-            missing |= 1U << i;
-        else
-            missing &= ~(1U << i);
-    }
     for (; missing != 0; missing &= missing - 1)
         hits[__builtin_ctz(missing)] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
-    bool poor = __builtin_popcount(p.undecided) > PACKET_RAYS / 4;
-    luck->last_wait = poor ? 2 * luck->last_wait + 1 : 0;
-    luck->wait = luck->last_wait &= 31;
-    return true;
+    note_luck(luck, __builtin_popcount(p.undecided) > PACKET_RAYS / 2 || p.work > PACKET_WORK);
+    return p.undecided;
 }
