@@ -7,30 +7,33 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char usage[] = "usage: bench-solids [OPTION]…\n"
-                            "Renders three scenes with POV-Ray (where the program povray is found) and with "
-                            "Sagitta, one thread each,\n"
-                            "in turns, and tells how many camera rays each traces in a second.\n"
-                            "\n"
-                            "  --scene NAME     dice, flake or shapes; may be given again (all)\n"
-                            "  --size WxH       of the pictures (2400x1800)\n"
-                            "  --repeats N      the median of so many (5)\n"
-                            "  --compare        compare the depth images; the exit code is 1 where 0.1 % of "
-                            "the pixels differ by more\n"
-                            "                   than 2/255 away from silhouettes\n"
-                            "  --folder DIR     keep scenes and pictures there\n"
-                            "  --no-povray      Sagitta alone\n"
-                            "  --json FILE      write the results there\n"
-                            "\n"
-                            "bench/README.md says what is traced and how it is timed.\n";
+static const char usage[] =
+    "usage: bench-solids [OPTION]…\n"
+    "Renders three scenes with POV-Ray (where the program povray is found) and with "
+    "Sagitta, one thread each,\n"
+    "in turns, and tells how many camera rays each traces in a second.\n"
+    "\n"
+    "  --scene NAME     dice, flake, shapes or carving (a mesh with balls cut out); may be given again "
+    "(all)\n"
+    "  --size WxH       of the pictures (2400x1800)\n"
+    "  --repeats N      the median of so many (5)\n"
+    "  --compare        compare the depth images; the exit code is 1 where 0.1 % of "
+    "the pixels differ by more\n"
+    "                   than 2/255 away from silhouettes\n"
+    "  --folder DIR     keep scenes and pictures there\n"
+    "  --no-povray      Sagitta alone\n"
+    "  --mesh FILE      the mesh to carve ($SAGITTA_DATA/meshes/dragon.ply); it must be closed\n"
+    "  --json FILE      write the results there\n"
+    "\n"
+    "bench/README.md says what is traced and how it is timed.\n";
 
 enum { SCENES = 3, MOST_REPEATS = 101 };
 static const scene_kind *const kinds[SCENES] = {&scene_dice, &scene_flake, &scene_shapes};
 
 typedef struct options {
-    const char *folder, *json;
+    const char *folder, *json, *mesh;
     size film;
-    unsigned repeats, scenes; // scenes: bits; 0: all
+    unsigned repeats, scenes; // scenes: bits, CARVED's the last; 0: all
     bool compare, povray;
 } options;
 
@@ -90,6 +93,7 @@ static unsigned number(const char *text, unsigned most, char end) {
 static bool scene_named(options *o, const char *name) {
     for (unsigned i = 0; i < SCENES; i++)
         if (strcmp(name, kinds[i]->name) == 0) return o->scenes |= 1U << i;
+    if (strcmp(name, "carving") == 0) return o->scenes |= 1U << SCENES;
     return false;
 }
 
@@ -99,7 +103,7 @@ static bool size_named(options *o, const char *text) {
     return o->film.width > 0 && o->film.height > 0;
 }
 
-enum { SCENE = 1, SIZE, REPEATS, COMPARE, FOLDER, NO_POVRAY, JSON, HELP };
+enum { SCENE = 1, SIZE, REPEATS, COMPARE, FOLDER, NO_POVRAY, MESH, JSON, HELP };
 
 static const struct option long_options[] = {{"scene", required_argument, NULL, SCENE},
                                              {"size", required_argument, NULL, SIZE},
@@ -107,6 +111,7 @@ static const struct option long_options[] = {{"scene", required_argument, NULL, 
                                              {"compare", no_argument, NULL, COMPARE},
                                              {"folder", required_argument, NULL, FOLDER},
                                              {"no-povray", no_argument, NULL, NO_POVRAY},
+                                             {"mesh", required_argument, NULL, MESH},
                                              {"json", required_argument, NULL, JSON},
                                              {"help", no_argument, NULL, HELP},
                                              {0}};
@@ -119,10 +124,24 @@ static bool take(options *o, int option, const char *value) {
     case REPEATS: return (o->repeats = number(value, MOST_REPEATS, 0)) > 0;
     case COMPARE: return o->compare = true;
     case FOLDER: return (o->folder = value) != NULL;
+    case MESH: return (o->mesh = value) != NULL;
     case NO_POVRAY: return !(o->povray = false);
     case JSON: return (o->json = value) != NULL;
     default: return false;
     }
+}
+
+static bool carve(const options *o, carving carvings[CARVINGS]) {
+    char path[4096];
+    const char *data = getenv("SAGITTA_DATA");
+    snprintf(path, sizeof path, "%s/meshes/dragon.ply", data != NULL ? data : BENCH_DATA);
+    if (o->mesh != NULL) snprintf(path, sizeof path, "%s", o->mesh);
+    if (access(path, R_OK) != 0)
+        return printf("\n  %s is not there: nothing to carve (set SAGITTA_DATA)\n", path) > 0;
+    const char *slash = strrchr(path, '/');
+    if (!measure_carving(path, 1024, o->repeats, carvings)) return false;
+    print_carvings(slash != NULL ? slash + 1 : path, carvings);
+    return true;
 }
 
 int main(int argc, char **argv) {
@@ -148,7 +167,7 @@ int main(int argc, char **argv) {
     printf("Sagitta beside %s; one thread, the median of %u interleaved repeats\n", version, o.repeats);
     print_heading();
     outcome outcomes[SCENES];
-    const carving carvings[CARVINGS] = {{0}};
+    carving carvings[CARVINGS] = {{0}};
     size_t count = 0;
     bool failed = false;
     for (unsigned i = 0; i < SCENES; i++) {
@@ -156,6 +175,7 @@ int main(int argc, char **argv) {
         failed |= !measure(&o, kinds[i], &outcomes[count]);
         print_outcome(&outcomes[count++]);
     }
+    if (o.scenes == 0 || (o.scenes >> SCENES & 1) != 0) failed |= !carve(&o, carvings);
     if (o.json != NULL) failed |= !write_json(o.json, o.povray ? version : NULL, outcomes, count, carvings);
     if (temporarily) forget(o.folder);
     return failed;

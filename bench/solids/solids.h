@@ -75,9 +75,12 @@ typedef struct carving {
 } carving;
 
 enum { CARVINGS = 2 };
+// side × side pixels and as many chords. False, with a message: it cannot be done with this mesh.
+bool measure_carving(const char *path, unsigned side, unsigned repeats, carving carvings[CARVINGS]);
 
 void print_heading(void);
 void print_outcome(const outcome *o);
+void print_carvings(const char *mesh, const carving carvings[CARVINGS]);
 bool write_json(const char *path, const char *povray, const outcome *outcomes, size_t count,
                 const carving carvings[CARVINGS]);
 

@@ -41,6 +41,25 @@ void print_outcome(const outcome *o) {
     fflush(stdout);
 }
 
+void print_carvings(const char *mesh, const carving carvings[CARVINGS]) {
+    printf("\n  %s with balls cut out, beside the mesh alone; million rays a second\n", mesh);
+    printf("  %-8s %8s %8s   %9s %9s %7s   %9s %9s %7s\n", "rays", "count", "met", "mesh", "solid", "ratio",
+           "mesh", "solid", "ratio");
+    printf("  %-8s %8s %8s   %27s   %27s\n", "", "", "", "single calls", "batch");
+    for (int i = 0; i < CARVINGS; i++) {
+        const carving *c = &carvings[i];
+        printf("  %-8s %6.2f M %6.1f %%  ", c->set, (double)c->rays / 1e6, percent(c->met, c->rays));
+        for (int k = 0; k < 2; k++) {
+            cell(9, c->mesh[k]);
+            cell(9, c->solid[k]);
+            cell(7, ratio(c->solid[k], c->mesh[k]));
+            printf("  ");
+        }
+        printf("\n");
+    }
+    fflush(stdout);
+}
+
 static void put(cJSON *o, const char *key, double value) {
     if (value > 0)
         cJSON_AddNumberToObject(o, key, value);
