@@ -73,7 +73,8 @@ static int places_of(const double c[5], double low, double high, double places[M
     return count;
 }
 
-int sagi_quartic_roots(const double c[5], const double sizes[5], double low, double high, double roots[4]) {
+int sagi_quartic_brackets(const double c[5], const double sizes[5], double low, double high,
+                          double brackets[4][2]) {
     double places[MOST];
     int count = places_of(c, low, high, places), root_count = 0;
     double before = low;
@@ -83,10 +84,14 @@ int sagi_quartic_roots(const double c[5], const double sizes[5], double low, dou
         if (i < count && !(fabs(y) > UNCERTAIN * horner(sizes, 4, fabs(x)))) return -1;
         if ((y < 0) != inside) {
             if (root_count == 4) return -1;
-            roots[root_count++] = bracketed_root(c, 4, before, x);
+            brackets[root_count][0] = before, brackets[root_count++][1] = x;
             inside = y < 0;
         }
         before = x;
     }
     return root_count;
+}
+
+double sagi_quartic_root(const double c[5], const double bracket[2]) {
+    return bracketed_root(c, 4, bracket[0], bracket[1]);
 }

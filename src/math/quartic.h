@@ -10,9 +10,12 @@
 #include "math/real.h"
 
 // In doubles. sizes[k] ≥ |c[k]| is such that c[k] is good to 20·2⁻⁵³ sizes[k] (the magnitudes of its terms).
-// Returns how many roots lie in (low, high) and writes them in order, each an ordinary root good to about
-// 2⁻⁴⁷ Σ sizes[k]|x|ᵏ/|f'(x)|; or −1 when the count is not certain: two roots too close together.
-int sagi_quartic_roots(const double c[5], const double sizes[5], double low, double high, double roots[4]);
+// Returns how many roots lie in (low, high) and writes, in order, between which two places each is; or −1
+// when the count is not certain: two roots too close together.
+int sagi_quartic_brackets(const double c[5], const double sizes[5], double low, double high,
+                          double brackets[4][2]);
+// The one between these places, an ordinary root good to about 2⁻⁴⁷ Σ sizes[k]|x|ᵏ/|f'(x)|.
+double sagi_quartic_root(const double c[5], const double bracket[2]);
 
 // To 400 bits, for those: always an answer. Double roots are written twice, whether f touches 0 from above or
 // below; triple ones once. Roots closer than about 2⁻¹⁵⁰ of the interval's size count as one multiple root.

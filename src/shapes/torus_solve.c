@@ -33,8 +33,31 @@ typedef struct local {
     double low, high; // of s
 } local;
 
+// ilogb, ldexp and fmax without a call where exponents are ordinary: products with a power of two are what
+// ldexp gives, rounded the same way where they are subnormal.
+static inline double power_of_two(int exponent) {
+    const union {
+        uint64_t bits;
+        double value;
+    } u = {.bits = (uint64_t)(exponent + 1023) << 52};
+    return u.value;
+}
+static inline double scaled(double x, int exponent) {
+    return exponent > -1000 && exponent < 1000 ? x * power_of_two(exponent) : ldexp(x, exponent);
+}
+static inline int binary_exponent(double x) {
+    const union {
+        double value;
+        uint64_t bits;
+    } u = {.value = x};
+    const int exponent = (int)(u.bits >> 52 & 2047);
+    return exponent > 0 && exponent < 2047 ? exponent - 1023 : ilogb(x);
+}
+static inline double greatest_of(double a, double b) { return a > b ? a : b; }
+
 static void clip(double *low, double *high, double a, double b) {
-    *low = fmax(*low, fmin(a, b)), *high = fmin(*high, fmax(a, b));
+    const double near = a < b ? a : b, far = a < b ? b : a;
+    *low = near > *low ? near : *low, *high = far < *high ? far : *high;
 }
 
 // The interval of s near the torus; false when it is empty.
@@ -75,17 +98,17 @@ static void set_quartic(local *l, double aa, double b, double c) {
 static bool localise(const sag_torus *torus, const sag_ray *ray, local *l) {
     const double o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
     const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
-    int size = ilogb(torus->major_radius + torus->minor_radius);
-    int length = ilogb(sag_max_component(sag_abs(ray->direction)));
-    double shrink = ldexp(1, -size), od = 0, dd = 0;
+    int size = binary_exponent(torus->major_radius + torus->minor_radius);
+    int length = binary_exponent(greatest_of(fabs(d[0]), greatest_of(fabs(d[1]), fabs(d[2]))));
+    double shrink = scaled(1, -size), od = 0, dd = 0;
     for (int i = 0; i < 3; i++) {
-        l->o[i] = o[i] * shrink, l->d[i] = ldexp(d[i], -length);
+        l->o[i] = o[i] * shrink, l->d[i] = scaled(d[i], -length);
         od += l->o[i] * l->d[i], dd += l->d[i] * l->d[i];
     }
     l->major = torus->major_radius * shrink, l->minor = torus->minor_radius * shrink;
     l->k = sagi_dd_sub(sagi_two_prod(l->major, l->major), sagi_two_prod(l->minor, l->minor));
     l->exponent = size - length;
-    l->t_min = ldexp(ray->t_min, -l->exponent), l->t_max = ldexp(ray->t_max, -l->exponent);
+    l->t_min = scaled(ray->t_min, -l->exponent), l->t_max = scaled(ray->t_max, -l->exponent);
     l->t0 = -od / dd;
     if (!isfinite(l->t0)) return false;
     double b = 0, c = 0;
@@ -117,7 +140,7 @@ static value value_at(const local *l, sagi_dd t) {
         norm2 = sagi_dd_add(norm2, square);
         if (i < 2) rho2 = sagi_dd_add(rho2, square), rd += p.hi * l->d[i];
         pd += p.hi * l->d[i], dd += l->d[i] * l->d[i];
-        size += fabs(p.hi), reach = fmax(reach, fabs(step.hi) + fabs(l->o[i]));
+        size += fabs(p.hi), reach = greatest_of(reach, fabs(step.hi) + fabs(l->o[i]));
     }
     sagi_dd q = sagi_dd_add(norm2, l->k), r4 = sagi_two_prod(l->major, 4 * l->major);
     double q_size = norm2.hi + l->major * l->major + l->minor * l->minor;
@@ -254,7 +277,7 @@ static sagi_cut cut_at(const local *l, sagi_real s) {
 
 // In range, and not beyond the doubles in the ray's own units.
 static bool is_kept(const local *l, double t) {
-    return t >= l->t_min && t <= l->t_max && isfinite(ldexp(t, l->exponent));
+    return t >= l->t_min && t <= l->t_max && isfinite(scaled(t, l->exponent));
 }
 
 static int solve_exactly(const local *l, int most, sagi_cut cuts[4]) {
@@ -269,21 +292,23 @@ static int solve_exactly(const local *l, int most, sagi_cut cuts[4]) {
 }
 
 static int solve(const local *l, int most, sagi_cut cuts[4]) {
-    double roots[4], slack = 0x1p-18 * (l->high - l->low) + 0x1p-48 * fabs(l->t0), reach = 0;
-    for (int i = 0; i < 3; i++) reach = fmax(reach, fabs(l->o[i]));
-    int n = reach < 0x1p45 ? sagi_quartic_roots(l->c, l->sizes, l->low, l->high, roots) : -1, count = 0;
+    double brackets[4][2], slack = 0x1p-18 * (l->high - l->low) + 0x1p-48 * fabs(l->t0), reach = 0;
+    for (int i = 0; i < 3; i++) reach = greatest_of(reach, fabs(l->o[i]));
+    int n = reach < 0x1p45 ? sagi_quartic_brackets(l->c, l->sizes, l->low, l->high, brackets) : -1;
+    int count = 0;
     if (n < 0) return solve_exactly(l, most, cuts);
     for (int i = 0; i < n && count < most; i++) {
-        double t = l->t0 + roots[i];
+        // What lies in a bracket out of range need not be known better; nor what comes after enough.
+        if (l->t0 + brackets[i][1] + slack < l->t_min || l->t0 + brackets[i][0] - slack > l->t_max) continue;
+        const double root = sagi_quartic_root(l->c, brackets[i]), t = l->t0 + root;
         if (t + slack < l->t_min || t - slack > l->t_max) continue;
-        outcome found = polish(l, sagi_two_sum(l->t0, roots[i]), false, &cuts[count]);
+        outcome found = polish(l, sagi_two_sum(l->t0, root), false, &cuts[count]);
         if (found == NOT_CERTAIN && fabs(t) < 0x1p-20 * (l->high - l->low))
             found = polish_near_origin(l, t, &cuts[count]);
         if (found == NOT_CERTAIN) {
             sagi_real c[5], s;
             real_quartic(l, c);
-            if (!sagi_quartic_polish_real(c, l->high - l->low, roots[i], &s))
-                return solve_exactly(l, most, cuts);
+            if (!sagi_quartic_polish_real(c, l->high - l->low, root, &s)) return solve_exactly(l, most, cuts);
             cuts[count] = cut_at(l, s), found = FOUND;
         }
         count += found == FOUND && is_kept(l, cuts[count].t.hi);
@@ -292,8 +317,8 @@ static int solve(const local *l, int most, sagi_cut cuts[4]) {
 }
 
 static void scale_back(sagi_cut *cut, int exponent) {
-    cut->t.hi = ldexp(cut->t.hi, exponent), cut->t.lo = ldexp(cut->t.lo, exponent);
-    cut->error = ldexp(cut->error, exponent);
+    cut->t.hi = scaled(cut->t.hi, exponent), cut->t.lo = scaled(cut->t.lo, exponent);
+    cut->error = scaled(cut->error, exponent);
 }
 
 int sagi_torus_crossings(const sag_torus *torus, const sag_ray *ray, int most, sagi_cut cuts[4]) {
