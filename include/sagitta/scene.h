@@ -141,10 +141,10 @@ SAG_API sag_status sag_scene_commit(sag_scene *scene, sag_error *error);
 /// the acceleration structure as it is, with checksums. The file appears whole or not at all: it is written
 /// under another name beside `path` and renamed over it when it is on disk. What is saved is what queries
 /// see: changes since the last commit are not in it, nor are geometries that are disabled (their ids stay
-/// unused, as those of removed ones do; a solid's part that was disabled stays nowhere).
-/// SAG_ERROR_STATE before the first commit, SAG_ERROR_ARGUMENT for a
-/// scene with shapes of the user's own (callbacks cannot be saved), SAG_ERROR_MEMORY, SAG_ERROR_IO with the
-/// system's reason. May run while other threads query the scene. (tests/unit/test_save.c)
+/// unused, as those of removed ones do; a part of a solid that was disabled stays nowhere). SAG_ERROR_STATE
+/// before the first commit, SAG_ERROR_ARGUMENT for a scene with shapes of the user's own (callbacks cannot be
+/// saved), SAG_ERROR_MEMORY, SAG_ERROR_IO with the system's reason. May run while other threads query the
+/// scene. (tests/unit/test_save.c)
 SAG_API sag_status sag_scene_save(const sag_scene *scene, const char *path, sag_error *error);
 /// Makes a committed scene from a file that sag_scene_save wrote. It answers every query with the same bits
 /// as the one that was saved, has the same ids, and may be changed and committed again; the scenes of its

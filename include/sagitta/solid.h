@@ -75,7 +75,8 @@ typedef struct sag_solid {
 /// hyperboloid or quadric, a plane (the half-space behind it), a mesh of which every edge has a triangle on
 /// either side (an open edge is named), or an instance of a solid; all of them whole (no partial sweep). And
 /// with SAG_ERROR_ARGUMENT when a geometry of the scene is no part, or twice, or a step names one that is not
-/// there. A disabled part is nowhere.
+/// there. A disabled part is nowhere. A spindle torus is one body with the lens in its middle: its inner
+/// sheet is no boundary.
 SAG_API sag_status sag_scene_set_solid(sag_scene *scene, const sag_solid *solid, sag_error *error);
 
 /// The steps that sag_scene_set_solid was given last; none (step_count 0) for an ordinary scene. They are the

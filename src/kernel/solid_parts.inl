@@ -29,6 +29,8 @@ static inline uint32_t shape_crossings(const solid_walk *w, const sagi_item *ite
     size_t count = ask(ALL, (sag_shape_kind)item->kind, item->shape, ray, hits);
     if (count < 2 && (item->kind == SAG_SHAPE_PLANE || item->kind == SAG_SHAPE_POLYHEDRON))
         *inside = sagi_shape_begins_inside((sag_shape_kind)item->kind, item->shape, ray);
+    if (count == 4 && item->kind == SAG_SHAPE_TORUS)
+        count = sagi_torus_leave_outer(item->shape, ray, hits, count);
     return count < SAGI_MAX_CROSSINGS ? (uint32_t)count : SAGI_MAX_CROSSINGS;
 }
 

@@ -4,8 +4,9 @@
 // A line passes from outside a body to its inside and back at every crossing. So the intervals of one body
 // follow from its crossings in order of t and from where the line begins at −∞: outside, unless the body is
 // unbounded (shapes/closed.h). Crossings before t_min are followed too, for they say whether the ray begins
-// inside; those beyond t_max are of no interest. Several crossings of one body at the same t count as one
-// when they are odd, as none when they are even: so there are no intervals without length.
+// inside, unless it begins clear of everything; those beyond t_max are of no interest. Several crossings of
+// one body at the same t count as one when they are odd, as none when they are even: so there are no
+// intervals without length.
 //
 // In what order? By time, bodies overlap, and as many of them may be open at once as there are. One body
 // after the other there is one open interval at most: nothing has to be remembered but that. But the
@@ -38,7 +39,7 @@ typedef struct event {
 typedef struct search {
     const sagi_snapshot *scene;
     const sagi_kernel *kernel;
-    sag_ray line; // of all that matters: from −∞ to the ray's t_max
+    sag_ray line; // to the ray's t_max, from −∞ where bodies may be before t_min
     double t_min; // the ray's own
     sag_span *spans;
     size_t capacity, count;
@@ -81,22 +82,56 @@ static void sift_event(event *events, size_t count, size_t place, const event *e
     events[place] = *e;
 }
 
+// The line as it is in the space that a path leads to.
+static sag_ray follow(const sagi_snapshot **s, const sag_ray *line, const uint32_t *path, uint32_t depth) {
+    sag_ray here = *line;
+    for (uint32_t i = 0; i < depth; i++) {
+        const sagi_place *place = (*s)->items[path[i]].place;
+        if (place != NULL) here = sag_ray_transform(&place->to_object, &here);
+        *s = (*s)->entries[path[i]].child;
+    }
+    return here;
+}
+
+// Whether the crossing with a torus is a boundary. (closed.h; asked of spindles only)
+static bool is_outer(const search *s, const sagi_item *item, const sag_hit *hit) {
+    const sagi_snapshot *where = s->scene;
+    sag_ray line = follow(&where, &s->line, hit->instance_path, hit->instance_depth);
+    if (item->place != NULL) line = sag_ray_transform(&item->place->to_object, &line);
+    line.t_min = -INFINITY, line.t_max = INFINITY;
+    sag_hit all[4];
+    size_t count = sag_torus_crossings(item->shape, &line, all, 4);
+    count = sagi_torus_leave_outer(item->shape, &line, all, count);
+    for (size_t i = 0; i < count; i++)
+        if (all[i].t == hit->t) return true;
+    return false;
+}
+
 // Which body a crossing is of; false when of none.
-static bool find_body(const sagi_snapshot *s, const sag_hit *hit, event *e) {
+static bool find_body(const search *from, const sag_hit *hit, event *e) {
+    const sagi_snapshot *s = from->scene;
     uint32_t depth = 0;
     for (; depth < hit->instance_depth && !sagi_snapshot_is_solid(s); depth++)
         s = s->entries[hit->instance_path[depth]].child;
     *e = (event){.hit = *hit, .depth = depth, .geometry = SAG_INVALID_ID};
     if (sagi_snapshot_is_solid(s)) return true;
+    const sagi_item *item = &s->items[hit->geometry];
     e->geometry = hit->geometry;
-    if (s->items[hit->geometry].kind == SAG_SHAPE_SPHERES) e->part = hit->primitive;
-    return s->items[hit->geometry].kind == SAG_SHAPE_SPHERES || sagi_geometry_is_closed(s, hit->geometry);
+    if (item->kind == SAG_SHAPE_SPHERES) {
+        e->part = hit->primitive;
+        return true;
+    }
+    if (item->kind == SAG_SHAPE_TORUS) {
+        const sag_torus *torus = item->shape;
+        return torus->major_radius >= torus->minor_radius || is_outer(from, item, hit);
+    }
+    return sagi_geometry_is_closed(s, hit->geometry);
 }
 
 static void take(void *user, const sag_hit *hit) {
     search *s = user;
     event e;
-    if (!find_body(s->scene, hit, &e) || (s->again && !event_before(&s->last, &e))) return;
+    if (!find_body(s, hit, &e) || (s->again && !event_before(&s->last, &e))) return;
     size_t place = s->event_count++;
     if (place >= KEPT) {
         if (event_before(&e, &s->kept[0])) sift_event(s->kept, KEPT, 0, &e);
@@ -152,17 +187,6 @@ static sag_hit end_within(const event *body, double t) {
     hit.instance_depth = body->depth, hit.flipped = 0;
     memcpy(hit.instance_path, body->hit.instance_path, body->depth * sizeof *hit.instance_path);
     return hit;
-}
-
-// The line as it is in the space that a path leads to.
-static sag_ray follow(const sagi_snapshot **s, const sag_ray *line, const uint32_t *path, uint32_t depth) {
-    sag_ray here = *line;
-    for (uint32_t i = 0; i < depth; i++) {
-        const sagi_place *place = (*s)->items[path[i]].place;
-        if (place != NULL) here = sag_ray_transform(&place->to_object, &here);
-        *s = (*s)->entries[path[i]].child;
-    }
-    return here;
 }
 
 // Whether the line comes from inside of a geometry that is closed. `line` is in the snapshot's space.
@@ -266,6 +290,26 @@ static void add_uncrossed(search *s, const sagi_snapshot *where, const sag_ray *
     }
 }
 
+// Whether the ray begins clear of everything. Then what is before t_min does not matter: as many crossings of
+// a body are ways in as ways out. Clear: by more than rounding in the maps of instances can move a ray
+// (world.h).
+static bool begins_outside(const sagi_snapshot *s, const sag_ray *ray) {
+    const sag_box3 *box = &s->stats.bounds;
+    const double o[3] = {ray->origin.x, ray->origin.y, ray->origin.z};
+    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+    const double low[3] = {box->min.x, box->min.y, box->min.z},
+                 high[3] = {box->max.x, box->max.y, box->max.z};
+    if (s->world.unbounded_count > 0 || isinf(ray->t_min)) return false;
+    double moved = 0x1p-40 * (s->world.spread_relative * sag_max_component(sag_abs(ray->origin)) +
+                              s->world.spread_absolute);
+    for (int k = 0; k < 3; k++) {
+        double p = o[k] + ray->t_min * d[k];
+        double room = moved + 0x1p-40 * (fabs(o[k]) + fabs(ray->t_min * d[k]) + fabs(low[k]) + fabs(high[k]));
+        if (p < low[k] - room || p > high[k] + room) return true;
+    }
+    return false;
+}
+
 size_t sag_scene_spans(const sag_scene *scene, const sag_ray *ray, sag_span *spans, size_t capacity) {
     const sagi_snapshot *snapshot = sagi_scene_snapshot(scene);
     if (snapshot == NULL || !sag_ray_is_valid(ray)) return 0;
@@ -277,7 +321,7 @@ size_t sag_scene_spans(const sag_scene *scene, const sag_ray *ray, sag_span *spa
                 .spans = spans,
                 .capacity = capacity,
                 .kept = kept};
-    s.line.t_min = -INFINITY;
+    if (!begins_outside(snapshot, ray)) s.line.t_min = -INFINITY;
     while (pass_some(&s)) {
     }
     finish_body(&s);

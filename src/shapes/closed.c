@@ -12,6 +12,11 @@
 // half-space behind it) and a polyhedron may be unbounded, but both are convex: two crossings are the way in
 // and the way out, one is the way out if the face's normal n and the direction d have n·d > 0, which is
 // decided exactly, and with none the line is in or out for good, as its origin is.
+//
+// The lens of a spindle torus is convex and within the body, so a line through it crosses outer sheet, inner,
+// inner and outer. Four crossings may also be of the outer sheet alone, twice through the body; then the
+// middle between the second and the third is not in the lens. Where that cannot be told for certain the two
+// are all but at one place, and it does not matter.
 #include "shapes/closed.h"
 #include "shapes/cut.h"
 #include "shapes/sweep.h"
@@ -154,4 +159,13 @@ bool sagi_shape_begins_inside(sag_shape_kind kind, const void *shape, const sag_
     size_t count = sag_polyhedron_crossings(p, &line, hits, 2);
     if (count == 0) return sag_polyhedron_contains(p, ray->origin);
     return count == 1 && leaves(p->planes[hits[0].primitive].normal, ray);
+}
+
+size_t sagi_torus_leave_outer(const sag_torus *torus, const sag_ray *ray, sag_hit *hits, size_t count) {
+    double major = torus->major_radius, minor = torus->minor_radius;
+    if (count < 4 || !(major < minor)) return count;
+    sag_vec3 p = sag_madd(ray->origin, 0.5 * hits[1].t + 0.5 * hits[2].t, ray->direction);
+    if (!(hypot(hypot(p.x, p.y) + major, p.z) < minor)) return count;
+    hits[1] = hits[3];
+    return 2;
 }

@@ -15,6 +15,11 @@ const char *sagi_shape_flaw(sag_shape_kind kind, const void *shape);
 // crossings that `crossings` finds from −∞ to ∞ it says what is inside.
 bool sagi_shape_begins_inside(sag_shape_kind kind, const void *shape, const sag_ray *ray);
 
+// A spindle torus is one body, the lens in its middle included: its inner sheet is a surface that rays hit,
+// but no boundary. Of all crossings of the ray's whole line with a torus, in order, takes out those with that
+// sheet; returns how many are left.
+size_t sagi_torus_leave_outer(const sag_torus *torus, const sag_ray *ray, sag_hit *hits, size_t count);
+
 // Whether each edge of the mesh has an even number of triangles: then every line crosses the mesh an even
 // number of times, and inside is where that number is odd, whatever way round the triangles are. Edges are
 // the same when their ends' positions are. Triangles without area count, for they join their neighbours;

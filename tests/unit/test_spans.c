@@ -39,6 +39,12 @@ static void expect_shape(span_truth *w, uint32_t id, sag_shape_kind kind, const 
     }
     size_t count = class->crossings(shape, line, hits, 256), before = 0;
     assert_true(count <= 256);
+    if (kind == SAG_SHAPE_TORUS) {
+        sag_ray whole = *line;
+        whole.t_max = INFINITY;
+        count = sag_torus_crossings(shape, &whole, hits, 4);
+        count = sagi_torus_leave_outer(shape, &whole, hits, count);
+    }
     while (before < count && hits[before].t < 0) before++;
     bool unbounded = kind == SAG_SHAPE_PLANE || kind == SAG_SHAPE_POLYHEDRON;
     bool inside = unbounded && class->contains(shape, line->origin) != (before % 2 == 1);
@@ -98,6 +104,46 @@ static void everything_nested(void **state) {
         sag_scene_destroy(scene);
     }
     assert_true(found > 10000);
+}
+
+// A spindle torus holds its lens, as it says itself: alone and as a solid.
+static void spindles(void **state) {
+    (void)state;
+    rng r = rng_make(25);
+    size_t through = 0;
+    for (int i = 0; i < 40; i++) {
+        const sag_torus torus = {i == 0 ? 0 : rng_uniform(&r, 0, 1), 1};
+        const sag_solid_step step = {SAG_SOLID_PART, 0};
+        sag_scene *scene = sag_scene_create(context), *solid = sag_scene_create(context);
+        sag_add_torus(scene, &torus), sag_add_torus(solid, &torus);
+        assert_int_equal(sag_scene_set_solid(solid, &(sag_solid){&step, 1}, NULL), SAG_OK);
+        assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+        assert_int_equal(sag_scene_commit(solid, NULL), SAG_OK);
+        for (int k = 0; k < 200; k++) {
+            sag_vec3 from = rng_vec3(&r, 3), to = rng_vec3(&r, 0.8);
+            if (i % 4 == 1)
+                from.x = from.y = 0, to = sag_vec3_make(0, 0, 0); // along the axis, through the tips
+            const sag_ray ray = {from, sag_sub(to, from), 0, 1, 0};
+            sag_span spans[4], in_solid[4];
+            size_t count = sag_scene_spans(scene, &ray, spans, 4);
+            assert_int_equal(sag_scene_spans(solid, &ray, in_solid, 4), count);
+            assert_true(count <= 2);
+            double end = 0;
+            for (size_t j = 0; j < count; j++) {
+                double enter = spans[j].enter.t, leave = spans[j].leave.t;
+                assert_true(enter == in_solid[j].enter.t && leave == in_solid[j].leave.t);
+                sag_vec3 inside = sag_madd(from, 0.5 * (enter + leave), ray.direction);
+                sag_vec3 before = sag_madd(from, 0.5 * (end + enter), ray.direction);
+                if (leave - enter > 1e-9) assert_true(sag_torus_contains(&torus, inside));
+                if (enter - end > 1e-9) assert_false(sag_torus_contains(&torus, before));
+                end = leave;
+            }
+            if (i % 4 != 1) assert_int_equal(sag_contains(solid, to), sag_torus_contains(&torus, to));
+            through += sag_count_crossings(scene, &ray) > 2 * count;
+        }
+        sag_scene_destroy(scene), sag_scene_destroy(solid);
+    }
+    assert_true(through > 100);
 }
 
 static sag_ray along_x(double from) { return sag_ray_make((sag_vec3){from, 0, 0}, (sag_vec3){1, 0, 0}); }
@@ -250,8 +296,11 @@ static void through_edges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything_nested), cmocka_unit_test(ranges),
-        cmocka_unit_test(a_thousand_shells), cmocka_unit_test(many_crossings_of_one_mesh),
+        cmocka_unit_test(everything_nested),
+        cmocka_unit_test(spindles),
+        cmocka_unit_test(ranges),
+        cmocka_unit_test(a_thousand_shells),
+        cmocka_unit_test(many_crossings_of_one_mesh),
         cmocka_unit_test(through_edges),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -74,6 +74,7 @@ static bool boundaries(span_truth *w, const shape_solid *k, const sag_ray *line,
             if (item->kind == SAG_SHAPE_MESH)
                 mesh = *(const sag_mesh *)shape, mesh.one_sided = false, shape = &mesh;
             found = sagi_shape_classes[item->kind].crossings(shape, &local, hits, MAX_EVENTS);
+            if (item->kind == SAG_SHAPE_TORUS) found = sagi_torus_leave_outer(shape, &local, hits, found);
             in[id] = sagi_shape_begins_inside((sag_shape_kind)item->kind, shape, &local);
             for (size_t i = 0; i < found; i++) hits[i] = span_truth_hit(w, id, hits[i]), hits[i].flipped = 0;
         }
@@ -129,7 +130,7 @@ static void random_solids(void **state) {
             sag_hit hits[MAX_EVENTS];
             size_t count;
             bool inside, clear = true;
-            line.t_min = -INFINITY;
+            line.t_min = -INFINITY, line.t_max = INFINITY;
             span_truth_begin(&w, &ray);
             for (uint32_t k = 0; k < 3; k++) {
                 const sagi_place *place = sagi_scene_snapshot(scene)->items[k].place;
