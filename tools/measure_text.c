@@ -81,6 +81,7 @@ static const char *text_estimates(char text[VALUE_BYTES], const sag_estimate *e,
     for (int i = 0; i < count; i++) {
         double value = factor * e[i].value;
         if (error == 0 && fabs(value) <= 1e-12 * factor * size) value = 0;
+        if (error > 0 && fabs(value / unit) < 0.5 * pow(10, -decimals)) value = 0; // not -0.000
         if (i) used += snprintf(text + used, (size_t)(VALUE_BYTES - used), ", ");
         used += error > 0
                     ? snprintf(text + used, (size_t)(VALUE_BYTES - used), "%.*f", decimals, value / unit)
@@ -126,7 +127,7 @@ static void print_thickness(const sag_body *b) {
            t->percentiles[3], t->percentiles[0], t->percentiles[1], t->percentiles[5]);
     printf("  %-16s mean %s; %.4g to %.5g at %s points\n", "", text_estimates(mean, &t->mean, 1, 1, 0),
            t->min, t->max, text_count(count, t->sample_count));
-    printf("  %-16s thinnest at (%.6g, %.6g, %.6g)\n", "", t->thinnest.x, t->thinnest.y, t->thinnest.z);
+    printf("  %-16s thinnest at (%.9g, %.9g, %.9g)\n", "", t->thinnest.x, t->thinnest.y, t->thinnest.z);
     print_histogram(t);
 }
 
