@@ -224,17 +224,19 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
     return true;
 }
 
-// The quick way where it is allowed, else the careful one.
+// The quick way where it is allowed, else the careful one. (The reciprocals are those of d itself, so that
+// they need not wait for its exponent; powers of two change no bit.)
 SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
     sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
+    sagi_f4 raw = sagi_d4_to_f4(d), inverse = 1 / raw;
     double largest = largest_of_three(size), spread = 0;
     sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
     if (world->has_spread)
         spread = (largest_of_three(sagi_d4_abs(o)) * world->spread_relative + world->spread_absolute) *
                  world->scale * 0x1p-50;
-    if (!(largest > 0x1p-100 && largest < 0x1p100 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
+    if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
           (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
         return make_carefully(world, ray, out);
     union {
@@ -242,15 +244,15 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
         uint64_t bits;
     } u = {.value = largest};
     int exponent = (int)(u.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
-    double unit = power_of_two(exponent) * world->scale;
-    d *= sagi_d4_fill(power_of_two(-exponent));
-    out->p = q, out->d = d;
-    sagi_f4 p = sagi_d4_to_f4(q), direction = sagi_d4_to_f4(d), inverse = 1 / direction;
-    sagi_w4 sign = (sagi_w4)direction & INT32_MIN;
+    double unit = power_of_two(exponent) * world->scale, down = power_of_two(-exponent);
+    float up = (float)power_of_two(exponent);
+    out->p = q, out->d = d * sagi_d4_fill(down);
+    sagi_f4 p = sagi_d4_to_f4(q);
+    sagi_w4 sign = (sagi_w4)raw & INT32_MIN;
     sagi_f4 wide = (sagi_f4)((sagi_w4)p & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
     wide = (sagi_f4)((sagi_w4)wide | sign);
-    out->direction = direction;
-    out->near_scale = inverse * (1 - 0x1p-21F), out->far_scale = inverse * (1 + 0x1p-21F);
+    out->direction = raw * (float)down;
+    out->near_scale = inverse * (up * (1 - 0x1p-21F)), out->far_scale = inverse * (up * (1 + 0x1p-21F));
     out->near_add = -(p + wide) * out->near_scale, out->far_add = -(p - wide) * out->far_scale;
     out->planes = sagi_planes[sagi_d4_signs(d) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;

@@ -4,11 +4,9 @@
 #include "shapes/vector_expansion.h"
 
 #if defined(__GNUC__)
-#define SAGI_COLD     __attribute__((noinline, cold))
-#define SAGI_NOINLINE __attribute__((noinline))
+#define SAGI_COLD __attribute__((noinline, cold))
 #else
 #define SAGI_COLD
-#define SAGI_NOINLINE
 #endif
 
 static double norm1(sag_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
@@ -51,70 +49,36 @@ static SAGI_COLD bool solve_exact(const sagi_triangle_ray *ray, const sag_vec3 *
     return accept(ray, t_scaled, beta, gamma, t, u, v);
 }
 
-typedef struct dd3 {
-    sagi_dd x, y, z;
-} dd3;
-
-static dd3 dd3_from(sag_vec3 a) { return (dd3){{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
-static dd3 dd3_diff(sag_vec3 a, sag_vec3 b) {
-    return (dd3){sagi_two_sum(a.x, -b.x), sagi_two_sum(a.y, -b.y), sagi_two_sum(a.z, -b.z)};
-}
-static sagi_dd dd_det(sagi_dd a, sagi_dd b, sagi_dd c, sagi_dd d) {
-    return sagi_dd_sub(sagi_dd_mul(a, d), sagi_dd_mul(b, c));
-}
-static dd3 dd3_cross(const dd3 *a, const dd3 *b) {
-    return (dd3){dd_det(a->y, a->z, b->y, b->z), dd_det(a->z, a->x, b->z, b->x),
-                 dd_det(a->x, a->y, b->x, b->y)};
-}
-static sagi_dd dd3_dot(const dd3 *a, const dd3 *b) {
-    return sagi_dd_add(sagi_dd_add(sagi_dd_mul(a->x, b->x), sagi_dd_mul(a->y, b->y)),
-                       sagi_dd_mul(a->z, b->z));
-}
-
 // What step 1 cannot do.
 static SAGI_COLD bool solve_carefully(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                                       const sag_vec3 *c, double *t, double *u, double *v) {
     sag_vec3 way = sag_sub(*a, ray->o), edge1 = sag_sub(*b, *a), edge2 = sag_sub(*c, *a);
     double far = norm1(way) + 0x1p-300, size = sagi_larger(norm_max(edge1), norm_max(edge2));
     if (!(far <= 0x1p400 && size >= 0x1p-200 && size <= 0x1p200)) return solve_exact(ray, a, b, c, t, u, v);
-    dd3 d = dd3_from(ray->d), ao = dd3_diff(*a, ray->o), ab = dd3_diff(*b, *a), ac = dd3_diff(*c, *a);
-    dd3 n = dd3_cross(&ab, &ac), moment = dd3_cross(&d, &ao);
-    sagi_dd denominator = dd3_dot(&d, &n), numerator = dd3_dot(&ao, &n);
+    sagi_dd3 d = sagi_dd3_from(ray->d), ao = sagi_dd3_diff(*a, ray->o), ab = sagi_dd3_diff(*b, *a),
+             ac = sagi_dd3_diff(*c, *a);
+    sagi_dd3 n = sagi_dd3_cross(&ab, &ac), moment = sagi_dd3_cross(&d, &ao);
+    sagi_dd denominator = sagi_dd3_dot(&d, &n), numerator = sagi_dd3_dot(&ao, &n);
     double square = size * size, unit = 0x1p-100;
     double denominator_error = unit * ray->d1 * square;
     if (!(denominator_error <= 0.5 * SAGI_EPSILON * fabs(denominator.hi) &&
           unit * far * square <= 0.5 * SAGI_EPSILON * fabs(numerator.hi) &&
           unit * ray->d1 * far * size + denominator_error <= 0x1p-50 * fabs(denominator.hi)))
         return solve_exact(ray, a, b, c, t, u, v);
-    double beta = -sagi_dd_to_double(sagi_dd_div(dd3_dot(&moment, &ac), denominator));
-    double gamma = sagi_dd_to_double(sagi_dd_div(dd3_dot(&moment, &ab), denominator));
+    double beta = -sagi_dd_to_double(sagi_dd_div(sagi_dd3_dot(&moment, &ac), denominator));
+    double gamma = sagi_dd_to_double(sagi_dd_div(sagi_dd3_dot(&moment, &ab), denominator));
     return accept(ray, sagi_dd_to_double(sagi_dd_div(numerator, denominator)), beta, gamma, t, u, v);
 }
 
-static sag_vec3 vec3_of(sagi_d4 a) { return sag_vec3_make(a[0], a[1], a[2]); }
 static sagi_d4 lanes_of(sag_vec3 a) { return (sagi_d4){a.x, a.y, a.z, 0}; }
-
-SAGI_NOINLINE double sagi_triangle_residual(const sagi_solve1_pair *of, double t) {
-    sag_vec3 a = vec3_of(of->a), d = vec3_of(of->d);
-    dd3 ab = dd3_diff(vec3_of(of->b), a), ac = dd3_diff(vec3_of(of->c), a), n = dd3_cross(&ab, &ac);
-    dd3 p = dd3_diff(a, vec3_of(of->o));
-    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, d.x));
-    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, d.y));
-    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, d.z));
-    return sagi_dd_to_double(dd3_dot(&n, &p));
-}
 
 bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                          const sag_vec3 *c, double *t, double *u, double *v) {
     sagi_solve1_pair of = {lanes_of(ray->o), lanes_of(ray->d), lanes_of(*a), lanes_of(*b), lanes_of(*c)};
-    // In scaled directions times are others: then only the end decides.
-    double t_min = ray->exponent == 0 ? ray->t_min : -INFINITY, value, beta, gamma;
-    double t_max = ray->exponent == 0 ? ray->t_max : INFINITY;
-    switch (sagi_triangle_step(&of, t_min, t_max, &value, &beta, &gamma)) {
-    case SAGI_SOLVED_MISS: return false;
-    case SAGI_SOLVED_HIT: return accept(ray, value, beta, gamma, t, u, v);
-    case SAGI_SOLVED_NOT: break;
-    }
+    sagi_solve1_step s;
+    sagi_solve1_estimate(&of, &s);
+    sagi_solve1_improve(&of, &s);
+    if (sagi_triangle_refine(&of, &s)) return accept(ray, s.t, s.u, s.v, t, u, v);
     return solve_carefully(ray, a, b, c, t, u, v);
 }
 
@@ -122,6 +86,6 @@ bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sagi_d4 cor
                              double *v) {
     sagi_triangle_ray prepared = sagi_triangle_prepare(ray);
     prepared.t_max = t_max;
-    sag_vec3 a = vec3_of(corner[0]), b = vec3_of(corner[1]), c = vec3_of(corner[2]);
+    sag_vec3 a = sagi_d4_vec3(corner[0]), b = sagi_d4_vec3(corner[1]), c = sagi_d4_vec3(corner[2]);
     return sagi_triangle_solve(&prepared, &a, &b, &c, t, u, v);
 }

@@ -22,13 +22,14 @@
 // 3. Expansions: exact numerators and denominators, two roundings. For an origin almost in the plane, rays
 //    almost parallel to it, needles, and magnitudes beyond the other two's limits.
 //
-// Each step checks its own bound and hands over to the next when t could be off by more than 3u |t| with its
-// last rounding (4 ulp are at least 4u |t|), or u and v by more than 2⁻⁴². So the result is within 4 ulp
-// always, and its bits depend on the ray's line and the triangle only.
+// Each step checks its own bound (sagi_triangle_refine) and hands over to the next when t could be off by
+// more than 3u |t| with its last rounding (4 ulp are at least 4u |t|), or u and v by more than 2⁻⁴². So the
+// result is within 4 ulp always, and its bits depend on the ray's line and the triangle only.
 //
 // The first step is written once, in triangle_step.inl, and stands in this header for the kernels: with an
 // instruction for fused multiply-add an error-free product takes two operations in place of 17, and its bits
-// are the same. It comes for one ray and triangle, and for four at once. The others are in triangle_solve.c.
+// are the same. It comes for one ray and triangle, and for four at once. The second is beside it, for rays
+// that end near where they begin; the others are in triangle_solve.c.
 #ifndef SAGI_SHAPES_TRIANGLE_SOLVE_H
 #define SAGI_SHAPES_TRIANGLE_SOLVE_H
 
@@ -57,9 +58,9 @@ SAGI_INLINE sagi_d4 sagi_solve1_product_error(double s, sagi_d4 a, sagi_d4 produ
     return sagi_d4_product_error(sagi_d4_fill(s), a, product);
 }
 SAGI_INLINE double sagi_solve1_largest(sagi_d4 a) { return sagi_larger(a[0], sagi_larger(a[1], a[2])); }
-SAGI_INLINE void sagi_solve1_sum2(sagi_d4 a, sagi_d4 b, double sum[2]) {
-    sagi_d4 xz = SAGI_D4_SHUFFLE2(a, b, 0, 4, 2, 6), y = SAGI_D4_SHUFFLE2(a, b, 1, 5, 3, 7), xy = xz + y;
-    sagi_d4 all = xy + SAGI_D4_SHUFFLE2(xz, xz, 2, 3, 2, 3);
+SAGI_INLINE void sagi_solve1_sum2_turned(sagi_d4 a, sagi_d4 b, double sum[2]) {
+    sagi_d4 yx = SAGI_D4_SHUFFLE2(a, b, 1, 5, 0, 4), z = SAGI_D4_SHUFFLE2(a, b, 2, 6, 3, 7), yz = yx + z;
+    sagi_d4 all = yz + SAGI_D4_SHUFFLE2(yx, yx, 2, 3, 2, 3);
     sum[0] = all[0], sum[1] = all[1];
 }
 SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, double sum[4]) {
@@ -111,10 +112,11 @@ SAGI_INLINE void sagi_solve4_sum2(sagi_d4x3 a, sagi_d4x3 b, sagi_d4 sum[2]) {
 SAGI_INLINE void sagi_solve4_sum4(sagi_d4x3 a, sagi_d4x3 b, sagi_d4x3 c, sagi_d4x3 d, sagi_d4 sum[4]) {
     sagi_solve4_sum2(a, b, sum), sagi_solve4_sum2(c, d, sum + 2);
 }
+SAGI_INLINE void sagi_solve4_sum2_turned(sagi_d4x3 a, sagi_d4x3 b, sagi_d4 sum[2]) {
+    sum[0] = (a.y + a.z) + a.x, sum[1] = (b.y + b.z) + b.x;
+}
 #include "shapes/triangle_step.inl"
 
-// Step 2: n · P in double-doubles.
-double sagi_triangle_residual(const sagi_solve1_pair *of, double t);
 // sagi_triangle_solve for a ray that is not prepared, and with another t_max; the corners' fourth places hold
 // anything. (Vectors do not go from file to file by value: how depends on the instruction set.)
 bool sagi_triangle_solve_ray(const sag_ray *ray, double t_max, const sagi_d4 corner[3], double *t, double *u,
@@ -127,45 +129,101 @@ static inline void sagi_triangle_confine(double beta, double gamma, double *u, d
     *v = gamma > 0 ? (gamma < room ? gamma : room) : 0;
 }
 
-// Steps 1 and 2: *t, *beta and *gamma for SAGI_SOLVED_HIT, which does not say that t is in range.
-typedef enum sagi_solved { SAGI_SOLVED_MISS, SAGI_SOLVED_HIT, SAGI_SOLVED_NOT } sagi_solved;
-SAGI_INLINE sagi_solved sagi_triangle_step(const sagi_solve1_pair *of, double t_min, double t_max, double *t,
-                                           double *beta, double *gamma) {
-    sagi_solve1_step s;
-    if (!sagi_solve1_estimate(of, &s)) return SAGI_SOLVED_NOT;
-    if (!(s.estimate >= t_min && s.estimate <= t_max) && sagi_solve1_outside(&s, t_min, t_max))
-        return SAGI_SOLVED_MISS;
-    if (!sagi_solve1_improve(of, &s)) {
-        const sagi_solve1_pair pair = *of; // so that the other one need not be in memory
-        s.step = sagi_triangle_residual(&pair, s.estimate) * s.inverse;
-        if (!sagi_solve1_take(&s, 0x1p-100 * s.p_sum * s.scale)) return SAGI_SOLVED_NOT;
+static inline sag_vec3 sagi_d4_vec3(sagi_d4 a) { return sag_vec3_make(a[0], a[1], a[2]); }
+typedef struct sagi_dd3 {
+    sagi_dd x, y, z;
+} sagi_dd3;
+
+static inline sagi_dd3 sagi_dd3_from(sag_vec3 a) { return (sagi_dd3){{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
+static inline sagi_dd3 sagi_dd3_diff(sag_vec3 a, sag_vec3 b) {
+    return (sagi_dd3){sagi_two_sum(a.x, -b.x), sagi_two_sum(a.y, -b.y), sagi_two_sum(a.z, -b.z)};
+}
+static inline sagi_dd sagi_dd_det(sagi_dd a, sagi_dd b, sagi_dd c, sagi_dd d) {
+    return sagi_dd_sub(sagi_dd_mul(a, d), sagi_dd_mul(b, c));
+}
+static inline sagi_dd3 sagi_dd3_cross(const sagi_dd3 *a, const sagi_dd3 *b) {
+    return (sagi_dd3){sagi_dd_det(a->y, a->z, b->y, b->z), sagi_dd_det(a->z, a->x, b->z, b->x),
+                      sagi_dd_det(a->x, a->y, b->x, b->y)};
+}
+static inline sagi_dd sagi_dd3_dot(const sagi_dd3 *a, const sagi_dd3 *b) {
+    return sagi_dd_add(sagi_dd_add(sagi_dd_mul(a->x, b->x), sagi_dd_mul(a->y, b->y)),
+                       sagi_dd_mul(a->z, b->z));
+}
+
+// n · P in double-doubles.
+static inline double sagi_triangle_residual(const sagi_solve1_pair *of, double t) {
+    sag_vec3 a = sagi_d4_vec3(of->a), d = sagi_d4_vec3(of->d);
+    sagi_dd3 ab = sagi_dd3_diff(sagi_d4_vec3(of->b), a), ac = sagi_dd3_diff(sagi_d4_vec3(of->c), a);
+    sagi_dd3 n = sagi_dd3_cross(&ab, &ac), p = sagi_dd3_diff(a, sagi_d4_vec3(of->o));
+    p.x = sagi_dd_sub(p.x, sagi_two_prod(t, d.x));
+    p.y = sagi_dd_sub(p.y, sagi_two_prod(t, d.y));
+    p.z = sagi_dd_sub(p.z, sagi_two_prod(t, d.z));
+    return sagi_dd_to_double(sagi_dd3_dot(&n, &p));
+}
+
+static inline double sagi_d4_sum3(sagi_d4 a) { return (a[0] + a[1]) + a[2]; }
+
+// Step 1 from sagi_solve1_improve on, with the bounds of its errors in full, and step 2. False when these
+// will not do.
+static __attribute__((noinline)) bool sagi_triangle_refine(const sagi_solve1_pair *of, sagi_solve1_step *s) {
+    const double eps = SAGI_EPSILON;
+    double ao_sum = sagi_d4_sum3(sagi_d4_abs(s->ao) * s->s) + 0x1p-300 * s->square;
+    double d_sum = sagi_d4_sum3(sagi_d4_abs(of->d) * s->s);
+    double far = s->far + 0x1p-300; // with the limits below, the bounds cover all underflow
+    double denominator_error = (7.1 * eps) * d_sum, scale = 1.01 * fabs(s->inverse);
+    if (!(far <= 0x1p400 && s->size >= 0x1p-200 && s->size <= 0x1p200 &&
+          denominator_error <= 0x1p-10 * fabs(s->denominator)))
+        return false;
+    double cancelled = (2.1 * eps * eps) * (ao_sum + fabs(s->estimate) * d_sum);
+    double division = denominator_error * scale + 5 * eps;
+    // Of t, less the last rounding.
+    double error = ((9.1 * eps) * s->p_sum + cancelled) * scale + fabs(s->step) * division;
+    if (!(error <= (1.9 * eps) * fabs(s->t))) {
+        s->step = sagi_triangle_residual(of, s->estimate) * s->inverse;
+        s->t = s->estimate + s->step;
+        error = 0x1p-100 * s->p_sum * scale + fabs(s->step) * division;
+        if (!(error <= (1.9 * eps) * fabs(s->t))) return false;
     }
-    if (!sagi_solve1_conclude(of, &s)) return SAGI_SOLVED_NOT;
-    *t = s.t, *beta = s.u, *gamma = s.v;
-    return SAGI_SOLVED_HIT;
+    sagi_solve1_weigh(of, s);
+    double q_error = (6 * eps) * s->p1 + (2 * eps * eps) * (far + fabs(s->estimate) * s->d1) +
+                     (error + (6 * eps) * fabs(s->step)) * s->d1;
+    // Of u and v: 28u |Q| E + 14u E² for the roundings, 3.5 E times Q's error, over |n|; |Q| ≤ E.
+    double weight_error = (42 * eps) * s->square + 3.5 * q_error * s->size;
+    return weight_error * weight_error <= 0x1p-84 * s->n_square;
 }
 
 // sagi_triangle_solve_ray, for kernels.
 SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, sagi_d4 a, sagi_d4 b, sagi_d4 c,
                                           double *t, double *u, double *v) {
     // The fourth places are parts of the ray, too.
-    sagi_solve1_pair of = {.o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin)),
-                           .d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)),
-                           .a = a,
-                           .b = b,
-                           .c = c};
-    double largest = sagi_solve1_largest(sagi_d4_abs(of.d)), value, beta, gamma;
-    sagi_solved solved = SAGI_SOLVED_NOT;
-    if (largest >= SAGI_TRIANGLE_SHORT && largest <= SAGI_TRIANGLE_LONG)
-        solved = sagi_triangle_step(&of, ray->t_min, t_max, &value, &beta, &gamma);
-    if (__builtin_expect(solved == SAGI_SOLVED_NOT, 0)) {
-        const sagi_d4 corner[3] = {a, b, c};
-        return sagi_triangle_solve_ray(ray, t_max, corner, t, u, v);
+    const sagi_solve1_pair of = {.o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin)),
+                                 .d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)),
+                                 .a = a,
+                                 .b = b,
+                                 .c = c};
+    sagi_solve1_step s;
+    sagi_solve1_estimate(&of, &s);
+    if (__builtin_expect(sagi_solve1_usual(&s), 1)) {
+        if (!(s.estimate >= ray->t_min && s.estimate <= t_max) && sagi_solve1_outside(&s, ray->t_min, t_max))
+            return false;
+        sagi_solve1_improve(&of, &s);
+        sagi_solve1_weigh(&of, &s);
+        bool good = sagi_solve1_good(&s);
+        if (!good) { // of rays that are not much longer than the triangle as often as not
+            const sagi_solve1_pair pair = of; // so that the other one need not be in memory
+            sagi_solve1_step full = s;
+            good = sagi_triangle_refine(&pair, &full);
+            s.t = full.t, s.u = full.u, s.v = full.v;
+        }
+        if (__builtin_expect(good, 1)) {
+            if (!(s.t >= ray->t_min && s.t <= t_max)) return false;
+            *t = s.t;
+            sagi_triangle_confine(s.u, s.v, u, v);
+            return true;
+        }
     }
-    if (solved == SAGI_SOLVED_MISS || !(value >= ray->t_min && value <= t_max)) return false;
-    *t = value;
-    sagi_triangle_confine(beta, gamma, u, v);
-    return true;
+    const sagi_d4 corner[3] = {a, b, c};
+    return sagi_triangle_solve_ray(ray, t_max, corner, t, u, v);
 }
 
 // Four rays, each with a triangle that its line pierces.
@@ -207,13 +265,11 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
     of.a = sagi_d4_columns(four->corner[0], &unused);
     of.b = sagi_d4_columns(four->corner[1], &unused);
     of.c = sagi_d4_columns(four->corner[2], &unused);
-    sagi_d4 largest = sagi_solve4_largest(sagi_solve4_abs(of.d));
-    sagi_l4 good = (largest >= SAGI_TRIANGLE_SHORT) & (largest <= SAGI_TRIANGLE_LONG);
-
     sagi_solve4_step s;
-    good &= sagi_solve4_estimate(&of, &s);
-    good &= sagi_solve4_improve(&of, &s);
-    good &= sagi_solve4_conclude(&of, &s);
+    sagi_solve4_estimate(&of, &s);
+    sagi_solve4_improve(&of, &s);
+    sagi_solve4_weigh(&of, &s);
+    const sagi_l4 good = sagi_solve4_usual(&s) & sagi_solve4_good(&s);
     const sagi_d4 zero = sagi_d4_fill(0), one = sagi_d4_fill(1);
     four->t = s.t;
     four->u = sagi_d4_min(sagi_d4_max(s.u, zero), one);
@@ -224,7 +280,9 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
         const int i = __builtin_ctz(left);
         const sagi_d4 corner[3] = {four->corner[0][i], four->corner[1][i], four->corner[2][i]};
         double t, u, v;
-        if (!sagi_triangle_solve_ray(four->ray[i], four->t_max[i], corner, &t, &u, &v)) continue;
+        if (!sagi_triangle_solve_here(four->ray[i], four->t_max[i], corner[0], corner[1], corner[2], &t, &u,
+                                      &v))
+            continue;
         four->t[i] = t, four->u[i] = u, four->v[i] = v;
         hit |= 1U << i;
     }
