@@ -28,14 +28,13 @@
 //     needs no memory: slow_solid.
 #ifndef SOLID_WAITING
 #define SOLID_WAITING 96
-#define SOLID_EVENTS  128
+#define SOLID_EVENTS  112
 #define SOLID_ACTIVE  128
 #endif
-#define SOLID_GROUP   16
-#define SOLID_IS_PART 0x80000000u
+#define SOLID_GROUP 16
 
 typedef struct solid_event {
-    double t;
+    double t, error; // error: what t may be off by the part's own t, mostly 0 (solid_parts.inl)
     uint32_t part, primitive;
     uint32_t number; // which of its part's crossings
     bool entering;   // the part
@@ -46,14 +45,18 @@ typedef struct solid_walk {
     const sagi_solid *solid;
     const sagi_solid_node *nodes;
     const sagi_solid_part *parts;
-    sag_ray line; // the whole line
-    double reach; // |o|∞/|d|∞
-    double done;  // up to where crossings are accounted for
-    double end;   // up to where they matter
-    bool value;   // of the solid there
-    bool crowded; // too many active nodes
+    sag_ray line;              // the whole line
+    sagi_d4 origin, direction; // the fourth place means nothing
+    double squared;            // d·d
+    double reach;              // |o|∞/|d|∞
+    double from, done;         // crossings before the one and up to the other are accounted for
+    double end;                // up to where they matter
+    double most_error;         // of a crossing
+    bool value;                // of the solid there
+    bool rough;                // crossings may have an error
+    bool crowded;              // too many active nodes
     bool waiting_cut, events_cut;
-    uint64_t opened;      // the last part that was opened, or 0
+    uint64_t opened;      // the last leaf that was opened, or 0
     uint64_t waiting_end; // with waiting_cut: the first that the queue may lack
     solid_event events_end;
     solid_event resume;  // while events that were given up are found again
@@ -61,7 +64,7 @@ typedef struct solid_walk {
     sag_hit last_hit;
     slabs slabs;
     uint32_t waiting_count, event_count, active_count;
-    uint64_t waiting[SOLID_WAITING]; // the nearest last: τ's bits, SOLID_IS_PART, number
+    uint64_t waiting[SOLID_WAITING]; // the nearest last: τ's bits, then the node or leaf as in the tree
     solid_event events[SOLID_EVENTS];
     uint32_t active[SOLID_ACTIVE]; // in a large tree: nodes in order; in a small one all stand at their place
     int32_t number[SOLID_ACTIVE];
@@ -140,129 +143,18 @@ static inline void add_event(solid_walk *w, const solid_event *e) {
     for (; place > 0 && event_before(&w->events[place - 1], e); place--)
         w->events[place] = w->events[place - 1];
     w->events[place] = *e;
+    if (e->error > w->most_error) w->most_error = e->error;
+}
+
+// Whether the part's crossing at t is behind us.
+static inline bool is_done(const solid_walk *w, double t) { return t < w->from || t <= w->done; }
+static inline double begin_of_rest(const solid_walk *w) {
+    return w->done > -INFINITY ? sagi_next_up(w->done) : w->from;
 }
 
 #include "kernel/solid_parts.inl"
 
-static inline void add_waiting(solid_walk *w, uint64_t key) {
-    if (w->waiting_cut && key >= w->waiting_end) return;
-    if (w->waiting_count == SOLID_WAITING) {
-        w->waiting_cut = true;
-        w->waiting_end = key < w->waiting[0] ? w->waiting[0] : key;
-        if (key >= w->waiting[0]) return;
-        memmove(w->waiting, w->waiting + 1, (SOLID_WAITING - 1) * sizeof key);
-        w->waiting_count--;
-    }
-    uint32_t place = w->waiting_count++;
-    for (; place > 0 && w->waiting[place - 1] < key; place--) w->waiting[place] = w->waiting[place - 1];
-    w->waiting[place] = key;
-}
-
-// Beginnings are not negative: their bits are in order.
-static inline uint64_t waiting_key(float begin, uint32_t what) {
-    union {
-        float value;
-        uint32_t bits;
-    } u = {.value = begin};
-    return (uint64_t)u.bits << 32 | what;
-}
-static inline float begin_of(uint64_t key) {
-    union {
-        uint32_t bits;
-        float value;
-    } u = {.bits = (uint32_t)(key >> 32)};
-    return u.value;
-}
-
-// The children of a node that the ray meets; returns how many and writes where they begin.
-SAGI_INLINE uint32_t met_children(const solid_walk *w, uint32_t number, float begin[SAGI_BVH_WIDTH],
-                                  uint32_t child[SAGI_BVH_WIDTH]) {
-    const sagi_bvh_node *node = &w->here->world->tree.nodes[number];
-    const char *at = (const char *)node;
-    sagi_f8 from = begins_of(at, &w->slabs), end = ends_of(at, &w->slabs, w->here->limit);
-    uint32_t count = 0;
-    for (uint32_t mask = sagi_i8_mask(sagi_f8_at_most(from, end)); mask != 0; mask &= mask - 1, count++) {
-        uint32_t lane = (uint32_t)__builtin_ctz(mask);
-        begin[count] = from[lane], child[count] = node->child[lane];
-    }
-    return count;
-}
-
-static inline uint32_t part_at(const solid_walk *w, sagi_bvh_reference r) {
-    return sagi_solid_part_of(w->solid)[r.geometry];
-}
-
-static inline void expand(solid_walk *w, uint32_t node) {
-    const sagi_bvh *tree = &w->here->world->tree;
-    float begin[SAGI_BVH_WIDTH];
-    uint32_t child[SAGI_BVH_WIDTH];
-    uint32_t count = met_children(w, node, begin, child);
-    for (uint32_t i = 0; i < count; i++) {
-        if ((child[i] & SAGI_BVH_LEAF) == 0) {
-            add_waiting(w, waiting_key(begin[i], child[i]));
-            continue;
-        }
-        const sagi_reference_block *block = (const void *)sagi_leaf(tree, child[i]);
-        for (uint32_t k = 0; k < block->head.count; k++)
-            add_waiting(w, waiting_key(begin[i], SOLID_IS_PART | part_at(w, block->reference[k])));
-    }
-}
-
-// Visits every part that the ray meets, with its key.
-static __attribute__((noinline, cold)) void every_part(solid_walk *w,
-                                                       void (*visit)(solid_walk *w, uint64_t key)) {
-    const sagi_world *world = w->here->world;
-    for (uint32_t i = 0; i < world->unbounded_count; i++)
-        visit(w, waiting_key(0, SOLID_IS_PART | part_at(w, world->unbounded[i])));
-    if (!w->here->in_tree) return;
-    uint32_t nodes[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH], height = 0;
-    nodes[height++] = 0;
-    while (height > 0) {
-        float begin[SAGI_BVH_WIDTH];
-        uint32_t child[SAGI_BVH_WIDTH];
-        uint32_t count = met_children(w, nodes[--height], begin, child);
-        for (uint32_t i = 0; i < count; i++) {
-            if ((child[i] & SAGI_BVH_LEAF) == 0) {
-                nodes[height++] = child[i];
-                continue;
-            }
-            const sagi_reference_block *block = (const void *)sagi_leaf(&world->tree, child[i]);
-            for (uint32_t k = 0; k < block->head.count; k++)
-                visit(w, waiting_key(begin[i], SOLID_IS_PART | part_at(w, block->reference[k])));
-        }
-    }
-}
-
-static void let_wait_again(solid_walk *w, uint64_t key) {
-    if (key > w->opened) add_waiting(w, key);
-}
-static void open_again(solid_walk *w, uint64_t key) {
-    if (key <= w->opened) reopen_part(w, (uint32_t)key & ~SOLID_IS_PART);
-}
-
-// Opens the part whose box is the next, if it begins at `until` or before; false when none does.
-static inline bool open_next(solid_walk *w, double until) {
-    float limit = INFINITY;
-    if (w->here->in_tree && until < INFINITY)
-        limit = sagi_float_max(sagi_float_ray_limit(&w->here->tree_ray, until), w->here->tree_ray.from);
-    for (;;) {
-        if (w->waiting_count == 0) {
-            if (!w->waiting_cut || !(begin_of(w->waiting_end) <= limit)) return false;
-            w->waiting_cut = false;
-            every_part(w, let_wait_again);
-            if (w->waiting_count == 0) return false;
-        }
-        uint64_t key = w->waiting[w->waiting_count - 1];
-        if (!(begin_of(key) <= limit)) return false;
-        w->waiting_count--;
-        if (((uint32_t)key & SOLID_IS_PART) != 0) {
-            w->opened = key;
-            open_part(w, (uint32_t)key & ~SOLID_IS_PART);
-            return true;
-        }
-        expand(w, (uint32_t)key);
-    }
-}
+#include "kernel/solid_queue.inl"
 
 static inline const solid_event *next_event(const solid_walk *w) { return &w->events[w->event_count - 1]; }
 
@@ -270,15 +162,43 @@ static inline const solid_event *next_event(const solid_walk *w) { return &w->ev
 // there is none.
 static inline bool know_next(solid_walk *w) {
     for (;;) {
-        if (w->event_count == 0 && w->events_cut) {
-            w->events_cut = false;
-            w->resume = w->events_end;
-            every_part(w, open_again);
-        }
+        if (w->event_count == 0 && w->events_cut) refill_events(w);
         double until = INFINITY;
-        if (w->event_count > 0) until = next_event(w)->t + tolerance(w, next_event(w)->t);
+        if (w->event_count > 0)
+            until = next_event(w)->t + (next_event(w)->error + tolerance(w, next_event(w)->t));
         if (!open_next(w, until)) return w->event_count > 0;
     }
+}
+
+// Makes all crossings exact that might be in a group with the next one, if there are such; whether there were
+// any.
+static __attribute__((noinline)) bool make_exact(solid_walk *w) {
+    solid_event near[SOLID_GROUP];
+    uint32_t count = 0;
+    const double end = next_event(w)->t + next_event(w)->error + tolerance(w, next_event(w)->t);
+    for (uint32_t i = w->event_count; i-- > 0 && count < SOLID_GROUP;) {
+        const solid_event e = w->events[i];
+        if (e.t - w->most_error > end) break;
+        if (e.error == 0 || e.t - e.error > end) continue;
+        near[count++] = e;
+        for (uint32_t k = i + 1; k < w->event_count; k++) w->events[k - 1] = w->events[k];
+        w->event_count--;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        refine(w, &near[i]);
+        add_event(w, &near[i]);
+    }
+    return count > 0;
+}
+
+// As know_next, and what is in a group with the next crossing is exact.
+static inline bool know_group(solid_walk *w) {
+    while (know_next(w)) {
+        if (w->most_error == 0 || w->event_count == 1) return true;
+        const solid_event *e = next_event(w), *next = e - 1;
+        if (next->t - w->most_error > e->t + (e->error + tolerance(w, e->t)) || !make_exact(w)) return true;
+    }
+    return false;
 }
 
 // Crossings at one place, taken: the first few of them.
@@ -296,15 +216,15 @@ static inline void take_group(solid_walk *w, solid_group *group) {
         toggle(w, e.part, e.entering);
         w->done = e.t;
         if (is_asked_again(w, e.part)) ask_again(w, &e);
-    } while (know_next(w) && next_event(w)->t - w->done <= tolerance(w, w->done));
+    } while (know_group(w) && next_event(w)->t - w->done <= tolerance(w, w->done));
 }
 
 static __attribute__((noinline, cold)) solid_event choose_from_all(solid_walk *w, double from, double to);
 
 // The group's first crossing of the part, where it crosses an odd number of times, else NULL; *next becomes
 // the part after it.
-static inline const solid_event *crossing_of(const solid_group *group, uint32_t part, uint32_t *next) {
-    const solid_event *e = NULL;
+static inline solid_event *crossing_of(solid_group *group, uint32_t part, uint32_t *next) {
+    solid_event *e = NULL;
     bool odd = false;
     *next = SAG_INVALID_ID;
     for (uint32_t i = group->count; i-- > 0;) {
@@ -317,18 +237,18 @@ static inline const solid_event *crossing_of(const solid_group *group, uint32_t 
 // Whose the boundary is: the first part whose crossing alone would have changed the solid, or where there is
 // none, the first whose crossing does after those of the parts before it. `first` is the t of the group's
 // first crossing.
-static __attribute__((noinline)) const solid_event *choose(solid_walk *w, solid_group *group, double first) {
+static __attribute__((noinline)) solid_event *choose(solid_walk *w, solid_group *group, double first) {
     const bool after = w->value;
     if (group->count > SOLID_GROUP) {
         group->at[0] = choose_from_all(w, sagi_next_down(first), w->done);
         return &group->at[0];
     }
     for (uint32_t i = 0; i < group->count; i++) toggle(w, group->at[i].part, !group->at[i].entering);
-    const solid_event *owner = NULL;
+    solid_event *owner = NULL;
     for (int together = 0; together < 2 && owner == NULL; together++) {
         uint32_t taken = 0;
         for (uint32_t part = 0, next; part != SAG_INVALID_ID && owner == NULL; part = next) {
-            const solid_event *e = crossing_of(group, part, &next);
+            solid_event *e = crossing_of(group, part, &next);
             if (e == NULL) continue;
             toggle(w, part, e->entering);
             if (w->value == after) owner = e;
@@ -338,7 +258,7 @@ static __attribute__((noinline)) const solid_event *choose(solid_walk *w, solid_
                 taken = part + 1;
         }
         for (uint32_t part = 0, next; part < taken; part = next) { // as they were
-            const solid_event *e = crossing_of(group, part, &next);
+            solid_event *e = crossing_of(group, part, &next);
             if (e != NULL) toggle(w, part, !e->entering);
         }
     }
@@ -361,8 +281,9 @@ static inline void take_hit(question asked, level *here, const sag_hit *hit) {
 
 typedef enum solid_report { BEFORE, TAKEN, BEYOND } solid_report;
 
-static inline solid_report report(question asked, solid_walk *w, const solid_event *e, bool entering) {
+static inline solid_report report(question asked, solid_walk *w, solid_event *e, bool entering) {
     level *here = w->here;
+    if (e->error > 0) refine(w, e);
     if (e->t < here->ray->t_min) return BEFORE;
     if (!(e->t <= here->t_max)) return BEYOND;
     if (asked == ANY) {
@@ -381,59 +302,79 @@ static inline solid_report report(question asked, solid_walk *w, const solid_eve
 // False when the ray has no business in the solid.
 static inline bool begin_solid(solid_walk *w, level *here) {
     const sagi_world *world = here->world;
-    if (!sag_ray_is_valid(here->ray)) return false;
     here->in_tree = world->tree.node_count != 0 && sagi_float_ray_make(world, here->ray, &here->tree_ray);
-    if (!here->in_tree && world->unbounded_count == 0) return false;
+    if (!here->in_tree && (world->unbounded_count == 0 || !sag_ray_is_valid(here->ray))) return false;
     if (here->in_tree) {
         here->limit = here->tree_ray.limit;
         if (here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
+        w->slabs = slabs_of(&here->tree_ray);
     }
-    if (here->in_tree) w->slabs = slabs_of(&here->tree_ray);
     w->here = here, w->solid = world->solid;
     w->nodes = sagi_solid_nodes(w->solid), w->parts = sagi_solid_parts(w->solid);
     w->line = *here->ray;
     w->line.t_min = -INFINITY, w->line.t_max = INFINITY;
-    w->reach = sag_max_component(sag_abs(w->line.origin)) / sag_max_component(sag_abs(w->line.direction));
-    w->done = sagi_next_down(here->ray->t_min - tolerance(w, here->ray->t_min));
+    w->origin = sagi_d4_load((const char *)&w->line + offsetof(sag_ray, origin));
+    w->direction = sagi_d4_load((const char *)&w->line + offsetof(sag_ray, direction));
+    sagi_d4 square = w->direction * w->direction;
+    w->squared = square[0] + square[1] + square[2];
+    w->reach = largest_of_three(sagi_d4_abs(w->origin)) / largest_of_three(sagi_d4_abs(w->direction));
+    w->from = here->ray->t_min - tolerance(w, here->ray->t_min);
+    w->done = -INFINITY;
     w->end = here->t_max + 4 * tolerance(w, here->t_max);
+    w->most_error = 0;
     w->value = w->crowded = w->waiting_cut = w->events_cut = false;
     w->opened = 0;
     w->waiting_count = w->event_count = w->active_count = 0;
     w->last_asked = SAG_INVALID_ID;
-    if (w->solid->node_count <= SOLID_ACTIVE) memset(w->number, 0, w->solid->node_count * sizeof *w->number);
-    for (uint32_t i = 0; i < world->unbounded_count; i++)
-        add_waiting(w, waiting_key(0, SOLID_IS_PART | part_at(w, world->unbounded[i])));
+    if (w->solid->node_count <= SOLID_ACTIVE)
+        for (uint32_t i = 0; i < w->solid->node_count; i++) w->number[i] = 0;
     if (here->in_tree) add_waiting(w, 0); // the root
     return true;
 }
 
 // Finds the boundaries in the ray's range. True when the search is over. *inside: whether the ray is in the
-// solid before the first of them.
-static __attribute__((noinline)) bool run_solid(question asked, level *here, bool *inside) {
+// solid before the first of them. A rough search that runs out of room is begun anew.
+static inline bool run_solid_so(question asked, bool rough, level *here, bool *inside, bool *again) {
     solid_walk w;
     solid_group group;
     *inside = false;
     if (!begin_solid(&w, here)) return false;
-    double complete = w.done;
-    while (know_next(&w)) {
-        if (!(next_event(&w)->t <= here->t_max)) break;
+    w.rough = rough;
+    for (uint32_t i = 0; i < here->world->unbounded_count; i++)
+        open_part(&w, part_at(&w, here->world->unbounded[i]));
+    double complete = w.from;
+    while (know_group(&w)) {
+        if (!(next_event(&w)->t - next_event(&w)->error <= here->t_max)) break;
         bool before = w.value;
         take_group(&w, &group);
+        if (rough && (w.events_cut || w.crowded)) break;
         if (w.crowded) break;
         if (w.value == before) {
             complete = w.done;
             continue;
         }
-        const solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group, group.at[0].t);
+        solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group, group.at[0].t);
         if (w.crowded) break;
         complete = w.done;
         solid_report done = report(asked, &w, e, !before);
         *inside = before;
         if (done != BEFORE && asked != ALL) return asked == ANY && done == TAKEN;
     }
+    if (rough && (w.events_cut || w.crowded)) return !(*again = true);
     if (w.crowded) return slow_solid(asked, &w, complete, inside);
     *inside = w.value;
     return false;
+}
+
+static __attribute__((noinline)) bool run_solid_exactly(question asked, level *here, bool *inside) {
+    bool again;
+    return run_solid_so(asked, false, here, inside, &again);
+}
+
+static __attribute__((noinline)) bool run_solid(question asked, level *here, bool *inside) {
+    if (asked == ALL) return run_solid_exactly(asked, here, inside);
+    bool again = false, over = run_solid_so(asked, true, here, inside, &again);
+    return __builtin_expect(again, 0) ? run_solid_exactly(asked, here, inside) : over;
 }
 
 // Whether the ray begins in the solid, as one crossing or none: parity is asked for. (Where a solid goes on

@@ -14,6 +14,63 @@ static inline const sagi_item *item_of_part(const solid_walk *w, uint32_t part) 
     return &w->here->world->items[w->parts[part].geometry];
 }
 
+// The two crossings of a box or sphere without a detour: most parts are those.
+typedef struct quick_crossings {
+    uint32_t count, primitive[2];
+    double t[2], error;
+} quick_crossings;
+
+// As shapes/box.c, where no axis is along a face and the ray does not just touch. The same bits.
+static inline bool quick_box(const solid_walk *w, const sag_box *box, quick_crossings *q) {
+    const sagi_d4 zero = sagi_d4_fill(0), d = w->direction;
+    const sagi_d4 lo = {box->min.x, box->min.y, box->min.z, 0}, hi = {box->max.x, box->max.y, box->max.z, 0};
+    if (d[0] == 0 || d[1] == 0 || d[2] == 0) return false;
+    const sagi_l4 down = d < zero;
+    sagi_d4 near = (sagi_d4_select(down, hi, lo) - w->origin) / d;
+    sagi_d4 far = (sagi_d4_select(down, lo, hi) - w->origin) / d;
+    uint32_t enter = near[1] > near[0], leave = far[1] < far[0];
+    if (near[2] > near[enter]) enter = 2;
+    if (far[2] < far[leave]) leave = 2;
+    const double t0 = near[enter], t1 = far[leave];
+    const double error = 4 * SAGI_EPSILON * (fabs(t0) + fabs(t1)) + 0x1p-1022;
+    q->count = 0, q->error = 0;
+    if (t0 - t1 > error) return true;
+    if (!(t1 - t0 > error && t1 - t0 < INFINITY)) return false;
+    q->t[0] = t0, q->t[1] = t1, q->count = 2;
+    q->primitive[0] = 2 * enter + (d[enter] < 0), q->primitive[1] = 2 * leave + (d[leave] > 0);
+    return true;
+}
+
+// As sphere_solve.h, whose names these are. Roughly: the roots in double. With s = l² + r², b and the root
+// of D are off by 5u|l||d| and, as D is off by e = 32u a s at most, by e/√D; because √D ≤ √(a s), e/√D is at
+// least 32u√(a s), beside which the other roundings, of b and √D and of sum and quotient, are small: t is off
+// by 2e/(a√D) = 64u s/√D at most.
+static inline bool quick_sphere(const solid_walk *w, const sag_sphere *sphere, bool rough,
+                                quick_crossings *q) {
+    const double radius = sphere->radius, a = w->squared;
+    q->primitive[0] = q->primitive[1] = 0, q->error = 0;
+    if (!rough) {
+        q->count = (uint32_t)sagi_sphere_solve(sagi_sphere_load(sphere), &w->line, INFINITY, false, q->t);
+        return true;
+    }
+    sagi_d4 l = w->origin - sagi_sphere_load(sphere), ld = l * w->direction, square = l * l;
+    double b = ld[0] + ld[1] + ld[2], ll = square[0] + square[1] + square[2], rr = radius * radius;
+    double size = ll + rr, d2 = b * b - a * (ll - rr), d2_error = 32 * SAGI_EPSILON * a * size;
+    if (!(a > 0x1p-120 && a < 0x1p120 && rr > 0x1p-200 && size < 0x1p250)) return false;
+    q->count = 0;
+    if (d2 < -d2_error) return true;
+    if (!(d2 > 64 * d2_error)) return false;
+    const double root = sqrt(d2), inverse = 1 / a;
+    q->t[0] = (-b - root) * inverse, q->t[1] = (-b + root) * inverse, q->count = 2;
+    q->error = 72 * SAGI_EPSILON * size / root;
+    return true;
+}
+
+static inline bool quick_shape(const solid_walk *w, const sagi_item *item, bool rough, quick_crossings *q) {
+    if (item->kind == SAG_SHAPE_BOX) return quick_box(w, item->shape, q);
+    return item->kind == SAG_SHAPE_SPHERE && quick_sphere(w, item->shape, rough, q); // whole: it is closed
+}
+
 // All crossings of a shape; *inside: at the line's beginning.
 static inline uint32_t shape_crossings(const solid_walk *w, const sagi_item *item,
                                        sag_hit hits[SAGI_MAX_CROSSINGS], bool *inside) {
@@ -21,6 +78,11 @@ static inline uint32_t shape_crossings(const solid_walk *w, const sagi_item *ite
     const sag_ray *ray = &w->line;
     *inside = false;
     if (item->shape == NULL) return 0;
+    quick_crossings q;
+    if (item->place == NULL && quick_shape(w, item, false, &q)) {
+        for (uint32_t i = 0; i < q.count; i++) hits[i].t = q.t[i], hits[i].primitive = q.primitive[i];
+        return q.count;
+    }
     if (item->place != NULL) {
         moved = sag_ray_transform(&item->place->to_object, ray);
         if (!sag_ray_is_valid(&moved)) return 0;
@@ -119,22 +181,55 @@ static void add_next(solid_walk *w, uint32_t part, double from, bool *inside) {
     w->last_asked = part, w->last_hit = hit;
 }
 
+// Makes a crossing's t that of the part itself.
+static __attribute__((noinline)) void refine(solid_walk *w, solid_event *e) {
+    const sagi_item *item = item_of_part(w, e->part);
+    const double room = 2 * e->error;
+    double t[2];
+    sag_ray ray = w->line;
+    ray.t_min = e->t - room, ray.t_max = e->t + room;
+    e->error = 0;
+    if (sagi_sphere_solve(sagi_sphere_load(item->shape), &ray, ray.t_max, false, t) == 1) {
+        e->t = t[0];
+        return;
+    }
+    sag_hit hits[SAGI_MAX_CROSSINGS];
+    bool inside;
+    uint32_t count = shape_crossings(w, item, hits, &inside);
+    if (e->number < count) e->t = hits[e->number].t;
+}
+
+static inline bool open_roughly(solid_walk *w, uint32_t part) {
+    const sagi_item *item = item_of_part(w, part);
+    quick_crossings q;
+    if (item->place != NULL || !quick_shape(w, item, true, &q)) return false;
+    uint32_t i = 0;
+    for (uint32_t k = 0; k < q.count; k++)
+        if (fabs(q.t[k] - w->from) <= q.error) return false; // before or after?
+    for (; i < q.count && is_done(w, q.t[i]); i++) {
+    }
+    if (i % 2 != 0) toggle(w, part, true);
+    for (; i < q.count; i++) add_event(w, &(solid_event){q.t[i], q.error, part, q.primitive[i], i, i == 0});
+    return true;
+}
+
 // Takes the part's crossings up, and whether the ray is in it.
 static __attribute__((noinline)) void open_part(solid_walk *w, uint32_t part) {
     bool inside;
+    if (w->rough && open_roughly(w, part)) return;
     if (is_asked_again(w, part)) {
         inside = false;
-        add_next(w, part, sagi_next_up(w->done), &inside);
+        add_next(w, part, begin_of_rest(w), &inside);
         if (inside) toggle(w, part, true);
         return;
     }
     sag_hit hits[SAGI_MAX_CROSSINGS];
     uint32_t count = shape_crossings(w, item_of_part(w, part), hits, &inside), i = 0;
-    for (; i < count && hits[i].t <= w->done; i++) inside = !inside;
+    for (; i < count && is_done(w, hits[i].t); i++) inside = !inside;
     if (inside) toggle(w, part, true);
     for (; i < count; i++) {
         inside = !inside;
-        add_event(w, &(solid_event){hits[i].t, part, hits[i].primitive, i, inside});
+        add_event(w, &(solid_event){hits[i].t, 0, part, hits[i].primitive, i, inside});
     }
 }
 
@@ -151,7 +246,7 @@ static __attribute__((noinline, cold)) void reopen_part(solid_walk *w, uint32_t 
     uint32_t count = shape_crossings(w, item_of_part(w, part), hits, &inside);
     for (uint32_t i = 0; i < count; i++) {
         inside = !inside;
-        solid_event e = {hits[i].t, part, hits[i].primitive, i, inside};
+        solid_event e = {hits[i].t, 0, part, hits[i].primitive, i, inside};
         if (!event_before(&e, from)) add_event(w, &e);
     }
 }
