@@ -32,12 +32,14 @@
 #define SOLID_ACTIVE  128
 #endif
 #define SOLID_GROUP 16
+#define SOLID_FEW   6
 
 typedef struct solid_event {
     double t, error; // error: what t may be off by the part's own t, mostly 0 (solid_parts.inl)
     uint32_t part, primitive;
     uint32_t number; // which of its part's crossings
     bool entering;   // the part
+    bool again;      // the part is to be asked for the next (solid_parts.inl)
 } solid_event;
 
 typedef struct solid_walk {
@@ -62,6 +64,9 @@ typedef struct solid_walk {
     solid_event resume;  // while events that were given up are found again
     uint32_t last_asked; // the part of a mesh or solid whose crossing last_hit is
     sag_hit last_hit;
+    uint32_t few;              // nodes of the box tree, when all of them were looked at, or 0
+    float nearest;             // of these leaves
+    sagi_f8 leaves[SOLID_FEW]; // where those begin that wait
     slabs slabs;
     uint32_t waiting_count, event_count, active_count;
     uint64_t waiting[SOLID_WAITING]; // the nearest last: τ's bits, then the node or leaf as in the tree
@@ -158,14 +163,26 @@ static inline double begin_of_rest(const solid_walk *w) {
 
 static inline const solid_event *next_event(const solid_walk *w) { return &w->events[w->event_count - 1]; }
 
+// Up to where a crossing may be that is in a group with the next one.
+SAGI_INLINE double end_of_next(const solid_walk *w) {
+    const solid_event *e = next_event(w);
+    return e->t + (e->error + tolerance(w, e->t));
+}
+
 // Brings about that the next crossing is known, and every other that may be in one group with it; false when
-// there is none.
-static inline bool know_next(solid_walk *w) {
+// there is none. (With few leaves, first all that begin before the first crossing there is.)
+SAGI_INLINE bool know_next(solid_walk *w) {
+    if (w->few > 0) {
+        while (w->event_count == 0) {
+            if (!(w->nearest < INFINITY)) return false;
+            open_few(w, w->nearest);
+        }
+        open_few(w, limit_of(w, end_of_next(w)));
+        return true;
+    }
     for (;;) {
         if (w->event_count == 0 && w->events_cut) refill_events(w);
-        double until = INFINITY;
-        if (w->event_count > 0)
-            until = next_event(w)->t + (next_event(w)->error + tolerance(w, next_event(w)->t));
+        double until = w->event_count > 0 ? end_of_next(w) : INFINITY;
         if (!open_next(w, until)) return w->event_count > 0;
     }
 }
@@ -175,7 +192,7 @@ static inline bool know_next(solid_walk *w) {
 static __attribute__((noinline)) bool make_exact(solid_walk *w) {
     solid_event near[SOLID_GROUP];
     uint32_t count = 0;
-    const double end = next_event(w)->t + next_event(w)->error + tolerance(w, next_event(w)->t);
+    const double end = end_of_next(w);
     for (uint32_t i = w->event_count; i-- > 0 && count < SOLID_GROUP;) {
         const solid_event e = w->events[i];
         if (e.t - w->most_error > end) break;
@@ -192,11 +209,10 @@ static __attribute__((noinline)) bool make_exact(solid_walk *w) {
 }
 
 // As know_next, and what is in a group with the next crossing is exact.
-static inline bool know_group(solid_walk *w) {
+static __attribute__((noinline, hot)) bool know_group(solid_walk *w) {
     while (know_next(w)) {
         if (w->most_error == 0 || w->event_count == 1) return true;
-        const solid_event *e = next_event(w), *next = e - 1;
-        if (next->t - w->most_error > e->t + (e->error + tolerance(w, e->t)) || !make_exact(w)) return true;
+        if ((next_event(w) - 1)->t - w->most_error > end_of_next(w) || !make_exact(w)) return true;
     }
     return false;
 }
@@ -207,16 +223,19 @@ typedef struct solid_group {
     solid_event at[SOLID_GROUP];
 } solid_group;
 
-static inline void take_group(solid_walk *w, solid_group *group) {
+// Whether there are more.
+SAGI_INLINE bool take_group(solid_walk *w, solid_group *group) {
     group->count = 0;
-    do {
+    for (;;) {
         solid_event e = w->events[--w->event_count];
         if (group->count < SOLID_GROUP) group->at[group->count] = e;
         group->count++;
         toggle(w, e.part, e.entering);
         w->done = e.t;
-        if (is_asked_again(w, e.part)) ask_again(w, &e);
-    } while (know_group(w) && next_event(w)->t - w->done <= tolerance(w, w->done));
+        if (e.again) ask_again(w, &e);
+        if (!know_group(w)) return false;
+        if (!(next_event(w)->t - w->done <= tolerance(w, w->done))) return true;
+    }
 }
 
 static __attribute__((noinline, cold)) solid_event choose_from_all(solid_walk *w, double from, double to);
@@ -290,6 +309,13 @@ static inline solid_report report(question asked, solid_walk *w, solid_event *e,
         here->search->found = true;
         return TAKEN;
     }
+    search *s = here->search;
+    if (asked == CLOSEST && !e->again && (!s->found || e->t < s->best->t)) { // in its place at once
+        write_hit(s, w->parts[e->part].geometry, e->primitive, e->t, 0, 0, s->best);
+        s->best->flipped = e->entering != entering, s->found = true;
+        lower_t_max(here, e->t);
+        return TAKEN;
+    }
     sag_hit hit;
     fill_hit(w, e, &hit);
     hit.flipped ^= e->entering != entering;
@@ -300,15 +326,18 @@ static inline solid_report report(question asked, solid_walk *w, solid_event *e,
 #include "kernel/solid_slow.inl"
 
 // False when the ray has no business in the solid.
-static inline bool begin_solid(solid_walk *w, level *here) {
+SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     const sagi_world *world = here->world;
     here->in_tree = world->tree.node_count != 0 && sagi_float_ray_make(world, here->ray, &here->tree_ray);
     if (!here->in_tree && (world->unbounded_count == 0 || !sag_ray_is_valid(here->ray))) return false;
     if (here->in_tree) {
         here->limit = here->tree_ray.limit;
         if (here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
-        w->slabs = slabs_of(&here->tree_ray);
     }
+    w->few = rough && here->in_tree && world->tree.node_count <= SOLID_FEW ? world->tree.node_count : 0;
+    if (w->few > 0 && !look_at_all(w, here) && world->unbounded_count == 0) return false;
+    if (w->few == 0 && here->in_tree) w->slabs = slabs_of(&here->tree_ray);
+    w->rough = rough;
     w->here = here, w->solid = world->solid;
     w->nodes = sagi_solid_nodes(w->solid), w->parts = sagi_solid_parts(w->solid);
     w->line = *here->ray;
@@ -328,25 +357,24 @@ static inline bool begin_solid(solid_walk *w, level *here) {
     w->last_asked = SAG_INVALID_ID;
     if (w->solid->node_count <= SOLID_ACTIVE)
         for (uint32_t i = 0; i < w->solid->node_count; i++) w->number[i] = 0;
-    if (here->in_tree) add_waiting(w, 0); // the root
+    if (here->in_tree && w->few == 0) add_waiting(w, 0); // the root
     return true;
 }
 
 // Finds the boundaries in the ray's range. True when the search is over. *inside: whether the ray is in the
 // solid before the first of them. A rough search that runs out of room is begun anew.
-static inline bool run_solid_so(question asked, bool rough, level *here, bool *inside, bool *again) {
+SAGI_INLINE bool run_solid_so(question asked, bool rough, level *here, bool *inside, bool *again) {
     solid_walk w;
     solid_group group;
     *inside = false;
-    if (!begin_solid(&w, here)) return false;
-    w.rough = rough;
+    if (!begin_solid(&w, rough, here)) return false;
     for (uint32_t i = 0; i < here->world->unbounded_count; i++)
         open_part(&w, part_at(&w, here->world->unbounded[i]));
     double complete = w.from;
-    while (know_group(&w)) {
+    for (bool more = know_group(&w); more;) {
         if (!(next_event(&w)->t - next_event(&w)->error <= here->t_max)) break;
         bool before = w.value;
-        take_group(&w, &group);
+        more = take_group(&w, &group);
         if (rough && (w.events_cut || w.crowded)) break;
         if (w.crowded) break;
         if (w.value == before) {
@@ -366,12 +394,12 @@ static inline bool run_solid_so(question asked, bool rough, level *here, bool *i
     return false;
 }
 
-static __attribute__((noinline)) bool run_solid_exactly(question asked, level *here, bool *inside) {
+static __attribute__((noinline, hot)) bool run_solid_exactly(question asked, level *here, bool *inside) {
     bool again;
     return run_solid_so(asked, false, here, inside, &again);
 }
 
-static __attribute__((noinline)) bool run_solid(question asked, level *here, bool *inside) {
+static __attribute__((noinline, hot)) bool run_solid(question asked, level *here, bool *inside) {
     if (asked == ALL) return run_solid_exactly(asked, here, inside);
     bool again = false, over = run_solid_so(asked, true, here, inside, &again);
     return __builtin_expect(again, 0) ? run_solid_exactly(asked, here, inside) : over;

@@ -21,7 +21,7 @@ typedef struct quick_crossings {
 } quick_crossings;
 
 // As shapes/box.c, where no axis is along a face and the ray does not just touch. The same bits.
-static inline bool quick_box(const solid_walk *w, const sag_box *box, quick_crossings *q) {
+SAGI_INLINE bool quick_box(const solid_walk *w, const sag_box *box, quick_crossings *q) {
     const sagi_d4 zero = sagi_d4_fill(0), d = w->direction;
     const sagi_d4 lo = {box->min.x, box->min.y, box->min.z, 0}, hi = {box->max.x, box->max.y, box->max.z, 0};
     if (d[0] == 0 || d[1] == 0 || d[2] == 0) return false;
@@ -45,8 +45,7 @@ static inline bool quick_box(const solid_walk *w, const sag_box *box, quick_cros
 // of D are off by 5u|l||d| and, as D is off by e = 32u a s at most, by e/√D; because √D ≤ √(a s), e/√D is at
 // least 32u√(a s), beside which the other roundings, of b and √D and of sum and quotient, are small: t is off
 // by 2e/(a√D) = 64u s/√D at most.
-static inline bool quick_sphere(const solid_walk *w, const sag_sphere *sphere, bool rough,
-                                quick_crossings *q) {
+SAGI_INLINE bool quick_sphere(const solid_walk *w, const sag_sphere *sphere, bool rough, quick_crossings *q) {
     const double radius = sphere->radius, a = w->squared;
     q->primitive[0] = q->primitive[1] = 0, q->error = 0;
     if (!rough) {
@@ -66,7 +65,7 @@ static inline bool quick_sphere(const solid_walk *w, const sag_sphere *sphere, b
     return true;
 }
 
-static inline bool quick_shape(const solid_walk *w, const sagi_item *item, bool rough, quick_crossings *q) {
+SAGI_INLINE bool quick_shape(const solid_walk *w, const sagi_item *item, bool rough, quick_crossings *q) {
     if (item->kind == SAG_SHAPE_BOX) return quick_box(w, item->shape, q);
     return item->kind == SAG_SHAPE_SPHERE && quick_sphere(w, item->shape, rough, q); // whole: it is closed
 }
@@ -177,12 +176,14 @@ static bool next_of_part(solid_walk *w, uint32_t part, double from, double end, 
 static void add_next(solid_walk *w, uint32_t part, double from, bool *inside) {
     sag_hit hit;
     if (!next_of_part(w, part, from, w->end, inside, &hit)) return;
-    add_event(w, &(solid_event){.t = hit.t, .part = part, .primitive = hit.primitive, .entering = !*inside});
+    add_event(w,
+              &(solid_event){
+                  .t = hit.t, .part = part, .primitive = hit.primitive, .entering = !*inside, .again = true});
     w->last_asked = part, w->last_hit = hit;
 }
 
 // Makes a crossing's t that of the part itself.
-static __attribute__((noinline)) void refine(solid_walk *w, solid_event *e) {
+static __attribute__((noinline, hot)) void refine(solid_walk *w, solid_event *e) {
     const sagi_item *item = item_of_part(w, e->part);
     const double room = 2 * e->error;
     double t[2];
@@ -199,7 +200,7 @@ static __attribute__((noinline)) void refine(solid_walk *w, solid_event *e) {
     if (e->number < count) e->t = hits[e->number].t;
 }
 
-static inline bool open_roughly(solid_walk *w, uint32_t part) {
+SAGI_INLINE bool open_roughly(solid_walk *w, uint32_t part) {
     const sagi_item *item = item_of_part(w, part);
     quick_crossings q;
     if (item->place != NULL || !quick_shape(w, item, true, &q)) return false;
@@ -209,12 +210,13 @@ static inline bool open_roughly(solid_walk *w, uint32_t part) {
     for (; i < q.count && is_done(w, q.t[i]); i++) {
     }
     if (i % 2 != 0) toggle(w, part, true);
-    for (; i < q.count; i++) add_event(w, &(solid_event){q.t[i], q.error, part, q.primitive[i], i, i == 0});
+    for (; i < q.count; i++)
+        add_event(w, &(solid_event){q.t[i], q.error, part, q.primitive[i], i, i == 0, false});
     return true;
 }
 
 // Takes the part's crossings up, and whether the ray is in it.
-static __attribute__((noinline)) void open_part(solid_walk *w, uint32_t part) {
+static __attribute__((noinline, hot)) void open_part(solid_walk *w, uint32_t part) {
     bool inside;
     if (w->rough && open_roughly(w, part)) return;
     if (is_asked_again(w, part)) {
@@ -229,7 +231,7 @@ static __attribute__((noinline)) void open_part(solid_walk *w, uint32_t part) {
     if (inside) toggle(w, part, true);
     for (; i < count; i++) {
         inside = !inside;
-        add_event(w, &(solid_event){hits[i].t, 0, part, hits[i].primitive, i, inside});
+        add_event(w, &(solid_event){hits[i].t, 0, part, hits[i].primitive, i, inside, false});
     }
 }
 
@@ -246,7 +248,7 @@ static __attribute__((noinline, cold)) void reopen_part(solid_walk *w, uint32_t 
     uint32_t count = shape_crossings(w, item_of_part(w, part), hits, &inside);
     for (uint32_t i = 0; i < count; i++) {
         inside = !inside;
-        solid_event e = {hits[i].t, 0, part, hits[i].primitive, i, inside};
+        solid_event e = {hits[i].t, 0, part, hits[i].primitive, i, inside, false};
         if (!event_before(&e, from)) add_event(w, &e);
     }
 }
@@ -255,13 +257,16 @@ static __attribute__((noinline, cold)) void reopen_part(solid_walk *w, uint32_t 
 static __attribute__((noinline)) void ask_again(solid_walk *w, const solid_event *e) {
     sag_hit hit;
     if (!next_of_part(w, e->part, sagi_next_up(e->t), w->end, NULL, &hit)) return;
-    add_event(
-        w, &(solid_event){.t = hit.t, .part = e->part, .primitive = hit.primitive, .entering = !e->entering});
+    add_event(w, &(solid_event){.t = hit.t,
+                                .part = e->part,
+                                .primitive = hit.primitive,
+                                .entering = !e->entering,
+                                .again = true});
     w->last_asked = e->part, w->last_hit = hit;
 }
 
 static inline void fill_hit(solid_walk *w, const solid_event *e, sag_hit *hit) {
-    if (is_asked_again(w, e->part)) {
+    if (e->again) {
         if (w->last_asked == e->part && w->last_hit.t == e->t) {
             *hit = w->last_hit;
             return;

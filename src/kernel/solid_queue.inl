@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What waits of a solid's box tree, the nearest first (solid.inl). Part of kernel.inl.
+// What waits of a solid's box tree, the nearest first (solid.inl). Part of kernel.inl. Of a small tree all
+// leaves are looked at at once, eight at a time, and those that are met wait where they are.
 
 static inline void add_waiting(solid_walk *w, uint64_t key) {
     if (w->waiting_cut && key >= w->waiting_end) return;
@@ -94,12 +95,56 @@ static __attribute__((noinline, cold)) void refill_events(solid_walk *w) {
     every_leaf(w, open_again);
 }
 
+// Where the nearest of those begins that wait, or ∞.
+SAGI_INLINE float nearest_of_few(const solid_walk *w) {
+    sagi_f8 least = w->leaves[0];
+    for (uint32_t n = 1; n < w->few; n++) least = sagi_f8_min(least, w->leaves[n]);
+    uint32_t bits = sagi_i8_least(sagi_f8_bits(least));
+    return begin_of((uint64_t)bits << 32);
+}
+
+// False when the ray meets none.
+SAGI_INLINE bool look_at_all(solid_walk *w, const level *here) {
+    const sagi_bvh *tree = &here->world->tree;
+    const slabs r = slabs_of(&here->tree_ray);
+    const sagi_f8 never = sagi_f8_fill(INFINITY);
+    uint32_t any = 0;
+    for (uint32_t n = 0; n < w->few; n++) {
+        const char *at = (const char *)&tree->nodes[n];
+        sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, here->limit);
+        sagi_i8 met = sagi_f8_at_most(begin, end) & (sagi_i8_load(tree->nodes[n].child) < 0);
+        any |= sagi_i8_mask(met);
+        w->leaves[n] = sagi_f8_select(met, begin, never);
+    }
+    w->nearest = any != 0 ? nearest_of_few(w) : INFINITY;
+    return any != 0;
+}
+
+// Opens all that begin at `limit` or before.
+SAGI_INLINE void open_few(solid_walk *w, float limit) {
+    if (!(w->nearest <= limit)) return;
+    const sagi_f8 until = sagi_f8_fill(sagi_float_min(limit, FLT_MAX));
+    for (uint32_t n = 0; n < w->few; n++) {
+        sagi_i8 now = sagi_f8_at_most(w->leaves[n], until);
+        uint32_t mask = sagi_i8_mask(now);
+        if (mask == 0) continue;
+        w->leaves[n] = sagi_f8_select(now, sagi_f8_fill(INFINITY), w->leaves[n]);
+        for (; mask != 0; mask &= mask - 1)
+            open_leaf(w, w->here->world->tree.nodes[n].child[__builtin_ctz(mask)], open_part);
+    }
+    w->nearest = nearest_of_few(w);
+}
+
+// The τ that `until` does not exceed.
+SAGI_INLINE float limit_of(const solid_walk *w, double until) {
+    if (!(until < INFINITY) || !w->here->in_tree) return INFINITY;
+    return sagi_float_max(sagi_float_ray_limit(&w->here->tree_ray, until), w->here->tree_ray.from);
+}
+
 // Opens the leaf whose box is the next, if it begins at `until` or before; false when none does.
 static inline bool open_next(solid_walk *w, double until) {
-    float limit = INFINITY;
     if (w->waiting_count == 0 && !w->waiting_cut) return false;
-    if (until < INFINITY)
-        limit = sagi_float_max(sagi_float_ray_limit(&w->here->tree_ray, until), w->here->tree_ray.from);
+    const float limit = limit_of(w, until);
     for (;;) {
         if (w->waiting_count == 0) {
             if (!w->waiting_cut || !(begin_of(w->waiting_end) <= limit)) return false;

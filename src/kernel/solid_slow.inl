@@ -7,8 +7,8 @@
 // Whether the ray is in the part just after `at`; *next: its next crossing then, or ∞.
 static bool slow_state(solid_walk *w, uint32_t part, double at, solid_event *next) {
     bool inside = false;
-    *next = (solid_event){.t = INFINITY, .part = part};
-    if (is_asked_again(w, part)) {
+    *next = (solid_event){.t = INFINITY, .part = part, .again = is_asked_again(w, part)};
+    if (next->again) {
         sag_hit hit;
         if (next_of_part(w, part, sagi_next_up(at), w->end, &inside, &hit))
             next->t = hit.t, next->primitive = hit.primitive;
