@@ -31,6 +31,7 @@ typedef enum question { CLOSEST, ANY, ALL } question;
 typedef struct search {
     sag_hit *best;               // CLOSEST
     bool found;                  // CLOSEST, ANY
+    bool odd;                    // CLOSEST: whether as many hits as are at the best t are an odd number
     sagi_collector collector;    // ALL
     sagi_repeats repeats;        // ALL: what of it may come again
     const sagi_visitor *visitor; // ALL: takes everything in place of these two, when there is one
@@ -105,12 +106,13 @@ static inline bool accept(question asked, level *here, uint32_t geometry, uint32
     if (asked == ANY) return s->found = true;
     if (asked == CLOSEST && s->found && !(t <= s->best->t)) return false;
     if (asked == CLOSEST && (!s->found || t < s->best->t)) {
-        write_hit(s, geometry, primitive, t, u, v, s->best), s->found = true;
+        write_hit(s, geometry, primitive, t, u, v, s->best), s->found = s->odd = true;
         lower_t_max(here, t);
         return false;
     }
     sag_hit hit;
     write_hit(s, geometry, primitive, t, u, v, &hit);
+    s->odd = !s->odd;
     if (asked == ALL)
         collect(s, here->world, &hit);
     else if (sagi_hit_before(&hit, s->best)) // at the same t

@@ -134,7 +134,12 @@ static __attribute__((noinline)) bool next_of_mesh(solid_walk *w, const sagi_ite
         enter(&below, item->child, ray, &s);
         walk_closest(&below);
         if (!s.found) return false;
-        sag_ray at = *ray;
+        if (!item->child->tree.repeats) {
+            if (s.odd) return true;
+            ray->t_min = sagi_next_up(hit->t);
+            continue;
+        }
+        sag_ray at = *ray; // a triangle may have been met twice
         at.t_min = at.t_max = hit->t;
         if (crossings(item->child, &at, true, NULL, 0) % 2 == 1) return true;
         ray->t_min = sagi_next_up(hit->t);
