@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The primitives of a geometry, and the box of each where it stands in the scene.
 //
-// A placed shape's box is the image of its own box. (Rays are brought to the shape's space in double; by how
-// much that ray, taken back, is off the ray itself is not the box's matter but the ray's: kernel/ray.h.)
+// A placed shape's box is the image of its own box, or for some shapes closer (shapes/reach.h). (Rays are
+// brought to the shape's space in double; by how much that ray, taken back, is off the ray itself is not the
+// box's matter but the ray's: kernel/ray.h.)
 #include "scene/scene.h"
 #include "shapes/mesh.h"
+#include "shapes/reach.h"
 #include "shapes/shape.h"
 #include "shapes/sphere.h"
 #include "shapes/spheres.h"
@@ -89,7 +91,9 @@ sagi_primitive_state sagi_own_box(const sagi_snapshot *snapshot, uint32_t geomet
         if (sag_box3_is_empty(&own)) return SAGI_PRIMITIVE_DEGENERATE;
     }
     if (!is_bounded(&own)) return SAGI_PRIMITIVE_UNBOUNDED;
-    *box = item->place != NULL ? sag_affine_box(&item->place->to_scene, &own) : own;
+    *box = item->place != NULL
+               ? sagi_shape_turned_box((sag_shape_kind)item->kind, item->shape, &own, &item->place->to_scene)
+               : own;
     return is_bounded(box) ? SAGI_PRIMITIVE_GOOD : SAGI_PRIMITIVE_UNBOUNDED;
 }
 
