@@ -177,6 +177,6 @@ int main(int argc, char **argv) {
     }
     if (o.scenes == 0 || (o.scenes >> SCENES & 1) != 0) failed |= !carve(&o, carvings);
     if (o.json != NULL) failed |= !write_json(o.json, o.povray ? version : NULL, outcomes, count, carvings);
-    if (temporarily) forget(o.folder);
+    if (temporarily && !failed) forget(o.folder);
     return failed;
 }

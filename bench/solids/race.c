@@ -25,10 +25,11 @@ static bool run_program(char *const arguments[], const char *log) {
     return good && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-// The file's text, to be freed; NULL: it cannot be read.
+// The end of the file's text, to be freed; NULL: it cannot be read.
 static char *read_text(const char *path) {
     FILE *file = fopen(path, "r");
     char *text = malloc(1 << 16);
+    if (file != NULL && fseek(file, -((1 << 16) - 1), SEEK_END) != 0) rewind(file); // it is shorter
     size_t length = file != NULL && text != NULL ? fread(text, 1, (1 << 16) - 1, file) : 0;
     if (file != NULL) fclose(file);
     if (text != NULL) text[length] = 0;
@@ -56,27 +57,17 @@ static double povray_seconds(const char *text) {
 
 double run_povray(const char *folder, const scene_kind *kind, size film, int quality, const char *picture) {
     char input[4096], log[4096], wide[32], high[32], level[32], output[4096] = "-F";
-    char program[] = "povray", plain[] = "-A", threads[] = "+WT1", still[] = "-D", gamma[] = "File_Gamma=1.0",
-         bits[] = "Bits_Per_Color=16", form[] = "+FP";
+    char program[] = "povray", plain[] = "-A", threads[] = "+WT1", still[] = "-D", short_log[] = "-V",
+         gamma[] = "File_Gamma=1.0", bits[] = "Bits_Per_Color=16", form[] = "+FP";
     snprintf(input, sizeof input, "+I%s/%s.pov", folder, kind->name);
     snprintf(log, sizeof log, "%s/%s.povray.log", folder, kind->name);
     snprintf(wide, sizeof wide, "+W%u", film.width);
     snprintf(high, sizeof high, "+H%u", film.height);
     snprintf(level, sizeof level, "+Q%d", quality);
     if (picture != NULL) snprintf(output, sizeof output, "+O%s", picture);
-    char *arguments[] = {program,
-                         input,
-                         wide,
-                         high,
-                         level,
-                         plain,
-                         threads,
-                         still,
-                         gamma,
-                         bits,
-                         picture != NULL ? form : output,
-                         output,
-                         NULL};
+    char *arguments[] = {program, input, wide,      high,  level, plain,
+                         threads, still, short_log, gamma, bits,  picture != NULL ? form : output,
+                         output,  NULL};
     double result = 0;
     if (run_program(arguments, log)) {
         char *text = read_text(log);
