@@ -46,13 +46,13 @@ static void check_solids(const char *name, uint64_t seed, size_t count, const so
 static void general(void **state) {
     (void)state;
     solid_recipe how = {.leaves = 24, .depth = 8, .unmapped = true};
-    check_solids("general", 1000000, soak(1400), &how, false);
+    check_solids("general", 1000000, soak(1500), &how, false);
 }
 
 static void lattice(void **state) {
     (void)state;
     solid_recipe how = {.leaves = 24, .depth = 8, .unmapped = true, .lattice = true};
-    check_solids("lattice", 2000000, soak(1400), &how, false);
+    check_solids("lattice", 2000000, soak(1600), &how, false);
 }
 
 static void mapped(void **state) {

@@ -121,8 +121,6 @@ void closed_shape_make(rng *r, double size, bool lattice, random_shape *s) {
     if (kind == SAG_SHAPE_HYPERBOLOID) s->as.hyperboloid.phi_max_rad = 0, s->as.hyperboloid.closed = true;
     if (kind == SAG_SHAPE_HYPERBOLOID2) s->as.hyperboloid2.phi_max_rad = 0, s->as.hyperboloid2.closed = true;
     if (kind == SAG_SHAPE_MESH) s->as.mesh.one_sided = false;
-    if (kind == SAG_SHAPE_TORUS && s->as.torus.minor_radius > 0.9 * s->as.torus.major_radius)
-        s->as.torus.minor_radius = 0.5 * s->as.torus.major_radius;
     if (kind == SAG_SHAPE_QUADRIC) {
         sag_vec3 radii = {rng_uniform(r, 0.2, 1) * size, rng_uniform(r, 0.2, 1) * size,
                           rng_uniform(r, 0.2, 1) * size};

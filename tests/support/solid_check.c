@@ -138,6 +138,34 @@ static void check_order(solid_world *w, const sag_ray *ray, size_t count, solid_
     tally->boundaries += count;
 }
 
+// The spans are those between the boundaries. A ray without any is inside from end to end or nowhere:
+// *constant becomes which.
+static void check_spans(solid_world *w, const sag_ray *ray, size_t count, membership *constant,
+                        solid_tally *tally) {
+    sag_span spans[4];
+    size_t found = sag_scene_spans(w->scene, ray, spans, 4);
+    if (!count) {
+        bool whole = found == 1 && spans[0].enter.t == ray->t_min && spans[0].leave.t == ray->t_max;
+        if (found > 1 || (found == 1 && !whole)) wrong(tally, ray, "spans without boundaries", 0);
+        *constant = found ? MEMBER_IN : MEMBER_OUT;
+        return;
+    }
+    if (w->enters[0] < 0 || w->hits[0].t == ray->t_min || w->hits[count - 1].t == ray->t_max) return;
+    bool before = !w->enters[0], after = w->enters[count - 1];
+    size_t expected = (count + before + after) / 2;
+    if (found != expected) wrong(tally, ray, "another number of spans", (double)found);
+    for (size_t i = 0; i < found && i < expected && i < 4; i++) {
+        const sag_hit *enter = before && i == 0 ? NULL : &w->hits[2 * i - before];
+        const sag_hit *leave = 2 * i + 1 - before < count ? &w->hits[2 * i + 1 - before] : NULL;
+        if (enter ? !same_hit(&spans[i].enter, enter)
+                  : spans[i].enter.t != ray->t_min || spans[i].enter.primitive != SAG_INVALID_ID)
+            wrong(tally, ray, "a span's beginning", spans[i].enter.t);
+        if (leave ? !same_hit(&spans[i].leave, leave)
+                  : spans[i].leave.t != ray->t_max || spans[i].leave.primitive != SAG_INVALID_ID)
+            wrong(tally, ray, "a span's end", spans[i].leave.t);
+    }
+}
+
 // What the boundaries say of a place between them; unknown when there are none.
 static membership said(const solid_world *w, size_t count, double t) {
     if (!count) return MEMBER_UNKNOWN;
@@ -236,18 +264,14 @@ void solid_check_point(solid_world *w, sag_vec3 point, solid_tally *tally) {
 
 // One question; returns whether it was decided.
 static bool decide(solid_world *w, const sag_ray *ray, size_t count, double t, membership *states,
-                   membership *constant, solid_tally *tally) {
+                   membership constant, solid_tally *tally) {
     spot where = spot_on(ray, t);
     membership truth = truth_at(w, &where, states), found = said(w, count, t);
     if (truth == MEMBER_UNKNOWN || (count && found == MEMBER_UNKNOWN)) {
         tally->undecided++;
         return false;
     }
-    if (found == MEMBER_UNKNOWN && *constant == MEMBER_UNKNOWN) {
-        *constant = truth; // the first says what the others must be; it is asked itself
-        solid_check_point(w, sag_ray_at(ray, t), tally);
-    }
-    if (found == MEMBER_UNKNOWN) found = *constant;
+    if (found == MEMBER_UNKNOWN) found = constant;
     tally->decisions++;
     if (found != truth) wrong(tally, ray, truth == MEMBER_IN ? "is in" : "is out", t);
     return true;
@@ -262,6 +286,7 @@ void solid_check_ray(solid_world *w, const sag_ray *ray, rng *r, bool random, so
     double margin = w->exact ? 64 : 4096, unit = w->size / largest(ray->direction), from = 0;
     membership constant = MEMBER_UNKNOWN, *before = w->states[0], *after = w->states[1];
     size_t last_decided = SIZE_MAX;
+    check_spans(w, ray, count, &constant, tally);
     for (size_t i = 0; i <= n; i++) {
         double a = i ? w->crossings[i - 1].t : -INFINITY, b = i < n ? w->crossings[i].t : INFINITY;
         double low = fmax(a, ray->t_min), high = fmin(b, ray->t_max);
@@ -271,7 +296,7 @@ void solid_check_ray(solid_world *w, const sag_ray *ray, rng *r, bool random, so
         double gap = margin * fmax(tolerance(ray, low), tolerance(ray, high));
         if (!(high - low > 4 * gap)) continue;
         double middle = low + 0.5 * (high - low);
-        bool decided = decide(w, ray, count, middle, after, &constant, tally);
+        bool decided = decide(w, ray, count, middle, after, constant, tally);
         if (decided && last_decided != SIZE_MAX)
             check_owner(w, ray, count, last_decided, i, from, middle, before, after, tally);
         if (decided) {
@@ -280,7 +305,7 @@ void solid_check_ray(solid_world *w, const sag_ray *ray, rng *r, bool random, so
             last_decided = i, from = middle;
         }
         double t = low + gap + rng_unit(r) * (high - low - 2 * gap);
-        decide(w, ray, count, t, w->states[2], &constant, tally);
+        decide(w, ray, count, t, w->states[2], constant, tally);
         if (rng_one_in(r, 16)) solid_check_point(w, sag_ray_at(ray, t), tally);
     }
     for (size_t i = 0; random && i < count; i++)
