@@ -100,7 +100,8 @@ static void comb(void **state) {
     }
 }
 
-// Hundreds of random shapes over each other.
+// Hundreds of random shapes over each other; in every third thicket in pairs, so that more operations are
+// under way at one place than a query has room for.
 static void thickets(void **state) {
     (void)state;
     solid_tally tally = {0};
@@ -108,15 +109,17 @@ static void thickets(void **state) {
         rng r = rng_make(tally.seed = 6300 + seed);
         solid_recipe how = {.size = 1, .leaves = 600, .depth = 8, .unmapped = true, .lattice = seed % 2};
         solid_model *model = solid_model_create();
-        uint32_t parts = 300 + rng_below(&r, 300), group = 0;
+        const bool pairs = seed % 3 == 2;
+        uint32_t parts = (pairs ? 700 : 300) + rng_below(&r, 300), group = 0;
         for (uint32_t i = 0; i < parts; i++) {
             model_part *part = solid_model_add(model);
             do closed_shape_make(&r, how.size, how.lattice, &part->shape);
             while (sagi_shape_classes[part->shape.kind].validate(&part->shape.as, NULL) != SAG_OK);
-            if (++group == 3 + rng_below(&r, 6) || i + 1 == parts || group == 9) {
-                solid_model_step(model, (sag_solid_operation)(SAG_SOLID_UNION + rng_below(&r, 4)), group);
-                group = 0;
-            }
+            uint32_t full = pairs ? 2 : 3 + rng_below(&r, 6);
+            if (++group < full && i + 1 < parts) continue;
+            solid_model_step(model, (sag_solid_operation)(SAG_SOLID_UNION + rng_below(&r, pairs ? 3 : 4)),
+                             group);
+            group = 0;
         }
         uint32_t groups = 0;
         for (uint32_t i = 0; i < model->step_count; i++)
@@ -128,7 +131,7 @@ static void thickets(void **state) {
         solid_world_make(&world, context, model, NULL, how.size);
         sag_vec3 points[SOLID_POINTS];
         adversary a = {{0, 0, 0}, how.size, points, solid_random_points(&r, model, points)};
-        for (int k = 0; k < 16; k++) {
+        for (int k = 0; k < (pairs ? 4 : 16); k++) {
             bool random;
             sag_ray ray = solid_random_ray(&r, &how, &a, &random);
             solid_check_ray(&world, &ray, &r, random, &tally);

@@ -319,5 +319,5 @@ void solid_tally_finish(const solid_tally *tally, const char *name) {
         name, tally->rays, tally->decisions, tally->wrong, tally->undecided, tally->boundaries, tally->owners,
         tally->normals);
     assert_int_equal(tally->wrong, 0);
-    assert_true(tally->undecided <= tally->decisions / 15);
+    assert_true(tally->undecided <= tally->decisions / 10);
 }
