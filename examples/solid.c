@@ -40,6 +40,13 @@ int main(void) {
                surface.side == SAG_SIDE_FRONT ? "entering" : "leaving", hits[i].flipped ? ", cut" : "");
     }
 
+    // The same as intervals: how much of the ray is within material, for mass, thickness or attenuation.
+    sag_span spans[8];
+    count = sag_scene_spans(scene, &ray, spans, 8);
+    double length = 0;
+    for (size_t i = 0; i < count; i++) length += spans[i].leave.t - spans[i].enter.t;
+    printf("%zu intervals, %g in all\n", count, length);
+
     sag_scene_destroy(scene);
     sag_scene_destroy(bead);
     sag_context_destroy(context);

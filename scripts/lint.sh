@@ -62,10 +62,13 @@ left=$(grep -v '^scripts/lint.sh$' "$gcc_build/lint-files" | xargs grep -nE '\bT
 $left"
 
 echo "== documents"
-# README quotes examples/first_ray.c, which the tests compile and run, from its first #include to its end.
-awk '/^```c$/ { quoting = 1; next } /^```$/ { quoting = 0 } quoting' README.md >"$gcc_build/quoted.c"
-awk '/^#include/ { quoting = 1 } quoting' examples/first_ray.c | cmp -s - "$gcc_build/quoted.c" ||
-  complain "README.md does not quote examples/first_ray.c as it is"
+# What they quote are examples that the tests compile and run, from the first #include to the end.
+quotes() { # quotes PAGE EXAMPLE
+  awk '/^```c$/ { quoting = 1; next } /^```$/ { quoting = 0 } quoting' "$1" >"$gcc_build/quoted.c"
+  awk '/^#include/ { quoting = 1 } quoting' "$2" | cmp -s - "$gcc_build/quoted.c" || complain "$1 does not quote $2 as it is"
+}
+quotes README.md examples/first_ray.c
+quotes docs/solids.md examples/solid.c
 # Every link between documents leads somewhere.
 for page in *.md docs/*.md; do
   grep -oE '\]\([^)#]+|(src|href)="[^"#]+' "$page" | sed -E 's/^(\]\(|(src|href)=")//' | grep -v '^https*:' | while read -r link; do

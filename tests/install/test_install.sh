@@ -32,7 +32,8 @@ bead 0: cube at t = 6, leaving
 bead 1: cube at t = 8, entering
 bead 1: hole at t = 8.5, leaving, cut
 bead 1: hole at t = 9.5, entering, cut
-bead 1: cube at t = 10, leaving"
+bead 1: cube at t = 10, leaving
+4 intervals, 2 in all"
 
 echo "== CMake package"
 cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
