@@ -115,7 +115,8 @@ typedef struct sag_measurement {
 /// The error asked for is relative: of volume and area to themselves, of the centre to the body's radius of
 /// gyration, of moments of inertia to the largest. A confidence interval holds the truth with the confidence
 /// asked for as far as the rays have seen the body: something finer than 1e-4 of it may be missed altogether.
-/// (Measured: tests/unit/test_measure_coverage.c.) Closed forms are within 1e-13 (test_measure_shapes.c).
+/// (Measured: tests/oracle/test_measure_coverage.c.) Closed forms are within 1e-13
+/// (tests/unit/test_measure_shapes.c).
 ///
 /// Memory of about 1 KiB a body, and while a mesh is examined 40 bytes a triangle. SAG_ERROR_STATE before
 /// the first commit, SAG_ERROR_ARGUMENT for options out of range, SAG_ERROR_MEMORY, SAG_ERROR_CANCELLED;

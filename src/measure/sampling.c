@@ -18,7 +18,8 @@
 // When to stop. An interval that is looked at again and again until it is narrow enough is narrow by luck now
 // and then, and holds the truth less often than it says. With 32 randomisations the estimated deviation is
 // within 13 % of the true one, each doubling makes it 1.7 times less, so luck decides about one doubling in a
-// few; and the quantity that takes longest decides for all others. tests/unit/test_measure_coverage.c counts.
+// few; and the quantity that takes longest decides for all others. tests/oracle/test_measure_coverage.c
+// counts.
 //
 // A task is one family of one randomisation and 512 of its lines at most; sums are added in the tasks' order.
 #include "measure/measure.h"
