@@ -28,8 +28,10 @@ bool sagi_geometry_is_closed(const sagi_snapshot *s, uint32_t id) {
 
 static sag_status say_open_mesh(const sagi_snapshot *s, uint32_t id, sag_error *error) {
     sagi_odd_edges odd;
-    if (sagi_mesh_find_odd_edges(s->context, s->items[id].shape, &odd) != SAG_OK)
-        return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
+    sag_status status = sagi_mesh_find_odd_edges(s->context, s->items[id].shape, &odd);
+    if (status == SAG_ERROR_MEMORY) return sag_error_set(error, status, "out of memory");
+    if (status != SAG_OK)
+        return sag_error_set(error, SAG_ERROR_GEOMETRY, "geometry %u, a mesh, is not closed", (unsigned)id);
     if (odd.count == 0)
         return sag_error_set(error, SAG_ERROR_GEOMETRY, "geometry %u, a mesh, has no finite triangle",
                              (unsigned)id);

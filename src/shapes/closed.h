@@ -34,7 +34,8 @@ typedef struct sagi_odd_edges {
     uint32_t on_it;     // a vertex that lies on the edge between its ends, as nearly as floats allow, or
                         // SAG_INVALID_ID
 } sagi_odd_edges;
-// The same question with an answer that can be told to somebody (mesh_check.c). SAG_ERROR_MEMORY.
+// The same question with an answer that can be told to somebody (mesh_check.c). SAG_ERROR_MEMORY, or
+// SAG_ERROR_ARGUMENT for more triangles than it can count (sag_mesh_check).
 sag_status sagi_mesh_find_odd_edges(const sag_context *context, const sag_mesh *mesh, sagi_odd_edges *odd);
 
 #endif

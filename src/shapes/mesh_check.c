@@ -187,10 +187,11 @@ typedef struct sizes {
 } sizes;
 
 static sag_status begin(const sag_context *context, check *c, sizes *bytes, sag_error *error) {
-    if (c->mesh->triangle_count > UINT32_MAX / 3)
-        return sag_error_set(error, SAG_ERROR_ARGUMENT,
-                             "mesh.triangle_count is %u: more than %u cannot be checked",
-                             c->mesh->triangle_count, UINT32_MAX / 3);
+    if (c->mesh->triangle_count > UINT32_MAX / 3) {
+        sag_error_set(error, SAG_ERROR_ARGUMENT, "mesh.triangle_count is %u: more than %u cannot be checked",
+                      c->mesh->triangle_count, UINT32_MAX / 3);
+        return SAG_ERROR_ARGUMENT;
+    }
     c->table_count = 4;
     while (c->table_count < (size_t)c->mesh->vertex_count * 3 / 2 + 2) c->table_count *= 2;
     *bytes = (sizes){c->table_count * sizeof *c->table, c->mesh->vertex_count * sizeof *c->same,
@@ -199,8 +200,9 @@ static sag_status begin(const sag_context *context, check *c, sizes *bytes, sag_
     c->same = sag_allocate(context, bytes->same);
     c->keys = sag_allocate(context, bytes->keys);
     if (c->table && c->same && c->keys) return SAG_OK;
-    return sag_error_set(error, SAG_ERROR_MEMORY, "mesh check: no memory for %zu bytes",
-                         bytes->table + bytes->same + bytes->keys);
+    sag_error_set(error, SAG_ERROR_MEMORY, "mesh check: no memory for %zu bytes",
+                  bytes->table + bytes->same + bytes->keys);
+    return SAG_ERROR_MEMORY;
 }
 
 static void end(const sag_context *context, check *c, const sizes *bytes) {
