@@ -118,7 +118,7 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
             __builtin_prefetch((const char *)s->best + sizeof *s->best - 1, 1);
         }
         if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
-        s->found = false, s->both_sides = false, s->path_length = 0;
+        s->found = false, s->both_sides = false, s->path_length = 0, s->grain = s->reach = 0;
         enter(&f->here, c->world, &c->rays[f->ray], s);
         bool over;
         if (come_to_tree(asked, &f->here, &over)) {

@@ -32,6 +32,8 @@ typedef struct search {
     sag_hit *best;               // CLOSEST
     bool found;                  // CLOSEST, ANY
     bool odd;                    // CLOSEST: whether as many hits as are at the best t are an odd number
+    bool near;                   // CLOSEST: whether there are others in a little room beyond it:
+    double grain, reach;         // grain · (|t| + reach), mostly 0 (solid_parts.inl)
     sagi_collector collector;    // ALL
     sagi_repeats repeats;        // ALL: what of it may come again
     const sagi_visitor *visitor; // ALL: takes everything in place of these two, when there is one
@@ -98,16 +100,22 @@ static inline void write_hit(const search *s, uint32_t geometry, uint32_t primit
 }
 _Static_assert(SAG_INVALID_ID == UINT32_MAX, "all its bits are set");
 
+static inline double room_of(const search *s, double t) { return s->grain * (fabs(t) + s->reach); }
+
 // Takes note of a hit in the ray's range; true when the search is over. With t and the ids only: most hits
 // are not the best.
 static inline bool accept(question asked, level *here, uint32_t geometry, uint32_t primitive, double t,
                           double u, double v) {
     search *s = here->search;
     if (asked == ANY) return s->found = true;
-    if (asked == CLOSEST && s->found && !(t <= s->best->t)) return false;
+    if (asked == CLOSEST && s->found && !(t <= s->best->t)) {
+        if (t - s->best->t <= room_of(s, s->best->t)) s->near = true;
+        return false;
+    }
     if (asked == CLOSEST && (!s->found || t < s->best->t)) {
+        s->near = s->found && s->best->t - t <= room_of(s, t);
         write_hit(s, geometry, primitive, t, u, v, s->best), s->found = s->odd = true;
-        lower_t_max(here, t);
+        lower_t_max(here, t + room_of(s, t));
         return false;
     }
     sag_hit hit;
@@ -277,7 +285,7 @@ static bool walk_all(level *here) { return walk(ALL, here); }
 
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
-    s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0;
+    s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
     level here;
     enter(&here, world, ray, &s);
     if (world->solid != NULL)

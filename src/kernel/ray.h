@@ -42,8 +42,9 @@
 // off by: δ, and 2⁻⁴⁹ of every number that takes part.
 //
 // The quick way. Nearly all rays begin within 64 scenes' sizes, are of ordinary length, have no small Dᵢ and
-// t_min ≥ 0. For them τ₀ = 0, P = q, and floats will do: p = fl(P) and r = fl(1/fl(D)), so that ρ = r(1 + η)
-// with |η| ≤ 2.1v. With the factors 1 ∓ 2⁻²¹ in place of 1 ∓ 2⁻²²,
+// t_min ≥ 0 (or so little less that the widening below covers it). For them τ₀ = 0, P = q, and floats will
+// do: p = fl(P) and r = fl(1/fl(D)), so that ρ = r(1 + η) with |η| ≤ 2.1v. With the factors 1 ∓ 2⁻²¹ in place
+// of 1 ∓ 2⁻²²,
 //     a = fl(−(p ± w) r'),   r' the scale,   w = 2⁻²¹|p| + 2⁻⁴⁰ + spread, the sign being D's for the entry:
 // p is off by v|P| and δ, its sum with w by v|p|, the product by v|p r'|, the fused sum by v of |a| or of N
 // and the product b r' by v|b r'| ≤ v(|P r'| + |N|): 4.1v|p| < 2⁻²¹|p| pays for those that go with P, and the
@@ -236,7 +237,7 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     if (world->has_spread)
         spread = (largest_of_three(sagi_d4_abs(o)) * world->spread_relative + world->spread_absolute) *
                  world->scale * 0x1p-50;
-    if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
+    if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min <= ray->t_max &&
           (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
         return make_carefully(world, ray, out);
     union {
@@ -245,6 +246,7 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     } u = {.value = largest};
     int exponent = (int)(u.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
     double unit = power_of_two(exponent) * world->scale, down = power_of_two(-exponent);
+    if (!(ray->t_min * unit >= -0x1p-44 && ray->t_max >= 0)) return make_carefully(world, ray, out);
     float up = (float)power_of_two(exponent);
     out->p = q, out->d = d * sagi_d4_fill(down);
     sagi_f4 p = sagi_d4_to_f4(q);
@@ -257,7 +259,7 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     out->planes = sagi_planes[sagi_d4_signs(d) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
     out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
-    out->t_min = first, out->from = (float)(first * (1 - 0x1p-22)) + 0.0F; // a t_min of −0 is not less than 0
+    out->t_min = first, out->from = first > 0 ? (float)(first * (1 - 0x1p-22)) : 0;
     out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
     out->error = 0x1p-43 + spread;
     return true;

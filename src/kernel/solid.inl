@@ -33,6 +33,7 @@
 #endif
 #define SOLID_GROUP 16
 #define SOLID_FEW   6
+#define SOLID_OWED  4
 
 typedef struct solid_event {
     double t, error; // error: what t may be off by the part's own t, mostly 0 (solid_parts.inl)
@@ -40,6 +41,7 @@ typedef struct solid_event {
     uint32_t number; // which of its part's crossings
     bool entering;   // the part
     bool again;      // the part is to be asked for the next (solid_parts.inl)
+    bool near;       // which may be in a group with this one
 } solid_event;
 
 typedef struct solid_walk {
@@ -62,6 +64,9 @@ typedef struct solid_walk {
     uint64_t waiting_end; // with waiting_cut: the first that the queue may lack
     solid_event events_end;
     solid_event resume;  // while events that were given up are found again
+    bool near;           // see solid_event: of the last crossing asked for
+    uint32_t owed_count; // parts that are to be asked again after the group
+    solid_event owed[SOLID_OWED];
     uint32_t last_asked; // the part of a mesh or solid whose crossing last_hit is
     sag_hit last_hit;
     uint32_t few;              // nodes of the box tree, when all of them were looked at, or 0
@@ -223,18 +228,27 @@ typedef struct solid_group {
     solid_event at[SOLID_GROUP];
 } solid_group;
 
-// Whether there are more.
-SAGI_INLINE bool take_group(solid_walk *w, solid_group *group) {
+static __attribute__((noinline)) void pay(solid_walk *w) {
+    while (w->owed_count > 0) ask_again(w, &w->owed[--w->owed_count]);
+}
+
+// Up to the end of the crossing at hand all are known; only one that joins it asks for more.
+SAGI_INLINE void take_group(solid_walk *w, solid_group *group) {
     group->count = 0;
     for (;;) {
-        solid_event e = w->events[--w->event_count];
+        const solid_event e = w->events[--w->event_count];
         if (group->count < SOLID_GROUP) group->at[group->count] = e;
         group->count++;
         toggle(w, e.part, e.entering);
         w->done = e.t;
-        if (e.again) ask_again(w, &e);
-        if (!know_group(w)) return false;
-        if (!(next_event(w)->t - w->done <= tolerance(w, w->done))) return true;
+        if (e.again && !e.near && w->owed_count < SOLID_OWED)
+            w->owed[w->owed_count++] = e;
+        else if (e.again)
+            ask_again(w, &e);
+        if (w->event_count == 0 && w->events_cut) refill_events(w);
+        if (w->event_count == 0 || !(next_event(w)->t - w->done <= tolerance(w, w->done))) return;
+        if (w->owed_count > 0) pay(w);
+        if (!know_group(w)) return;
     }
 }
 
@@ -354,7 +368,7 @@ SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     w->value = w->crowded = w->waiting_cut = w->events_cut = false;
     w->opened = 0;
     w->waiting_count = w->event_count = w->active_count = 0;
-    w->last_asked = SAG_INVALID_ID;
+    w->last_asked = SAG_INVALID_ID, w->owed_count = 0;
     if (w->solid->node_count <= SOLID_ACTIVE)
         for (uint32_t i = 0; i < w->solid->node_count; i++) w->number[i] = 0;
     if (here->in_tree && w->few == 0) add_waiting(w, 0); // the root
@@ -371,22 +385,21 @@ SAGI_INLINE bool run_solid_so(question asked, bool rough, level *here, bool *ins
     for (uint32_t i = 0; i < here->world->unbounded_count; i++)
         open_part(&w, part_at(&w, here->world->unbounded[i]));
     double complete = w.from;
-    for (bool more = know_group(&w); more;) {
+    while (know_group(&w)) {
         if (!(next_event(&w)->t - next_event(&w)->error <= here->t_max)) break;
         bool before = w.value;
-        more = take_group(&w, &group);
+        take_group(&w, &group);
         if (rough && (w.events_cut || w.crowded)) break;
         if (w.crowded) break;
-        if (w.value == before) {
-            complete = w.done;
-            continue;
+        if (w.value != before) {
+            solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group, group.at[0].t);
+            if (w.crowded) break;
+            solid_report done = report(asked, &w, e, !before);
+            *inside = before;
+            if (done != BEFORE && asked != ALL) return asked == ANY && done == TAKEN;
         }
-        solid_event *e = group.count == 1 ? &group.at[0] : choose(&w, &group, group.at[0].t);
-        if (w.crowded) break;
         complete = w.done;
-        solid_report done = report(asked, &w, e, !before);
-        *inside = before;
-        if (done != BEFORE && asked != ALL) return asked == ANY && done == TAKEN;
+        if (w.owed_count > 0) pay(&w);
     }
     if (rough && (w.events_cut || w.crowded)) return !(*again = true);
     if (w.crowded) return slow_solid(asked, &w, complete, inside);

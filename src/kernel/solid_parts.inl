@@ -100,6 +100,7 @@ static inline void search_below(const solid_walk *w, search *s, sag_hit *hit) {
     const search *above = w->here->search;
     s->best = hit, s->found = false, s->both_sides = true;
     s->repeats.again = false;
+    s->grain = s->reach = 0;
     s->path_length = above->path_length;
     for (uint32_t i = 0; i < s->path_length; i++) s->path[i] = above->path[i];
 }
@@ -127,6 +128,7 @@ static __attribute__((noinline)) bool next_of_mesh(solid_walk *w, const sagi_ite
                                                    bool *inside, sag_hit *hit) {
     search s;
     search_below(w, &s, hit);
+    s.grain = 0x1p-48, s.reach = w->reach; // twice the tolerance
     if (inside != NULL) *inside = is_in_mesh(item->child, ray);
     while (ray->t_min <= ray->t_max) {
         level below;
@@ -134,6 +136,7 @@ static __attribute__((noinline)) bool next_of_mesh(solid_walk *w, const sagi_ite
         enter(&below, item->child, ray, &s);
         walk_closest(&below);
         if (!s.found) return false;
+        w->near = s.near || item->child->tree.repeats;
         if (!item->child->tree.repeats) {
             if (s.odd) return true;
             ray->t_min = sagi_next_up(hit->t);
@@ -158,6 +161,7 @@ static __attribute__((noinline)) bool next_of_solid(solid_walk *w, const sagi_it
         enter(&below, item->child, ray, &s);
         run_solid(CLOSEST, &below, &in);
     }
+    w->near = true;
     if (inside != NULL) *inside = in;
     return s.found;
 }
@@ -181,9 +185,12 @@ static bool next_of_part(solid_walk *w, uint32_t part, double from, double end, 
 static void add_next(solid_walk *w, uint32_t part, double from, bool *inside) {
     sag_hit hit;
     if (!next_of_part(w, part, from, w->end, inside, &hit)) return;
-    add_event(w,
-              &(solid_event){
-                  .t = hit.t, .part = part, .primitive = hit.primitive, .entering = !*inside, .again = true});
+    add_event(w, &(solid_event){.t = hit.t,
+                                .part = part,
+                                .primitive = hit.primitive,
+                                .entering = !*inside,
+                                .again = true,
+                                .near = w->near});
     w->last_asked = part, w->last_hit = hit;
 }
 
@@ -216,7 +223,7 @@ SAGI_INLINE bool open_roughly(solid_walk *w, uint32_t part) {
     }
     if (i % 2 != 0) toggle(w, part, true);
     for (; i < q.count; i++)
-        add_event(w, &(solid_event){q.t[i], q.error, part, q.primitive[i], i, i == 0, false});
+        add_event(w, &(solid_event){q.t[i], q.error, part, q.primitive[i], i, i == 0, false, false});
     return true;
 }
 
@@ -236,7 +243,7 @@ static __attribute__((noinline, hot)) void open_part(solid_walk *w, uint32_t par
     if (inside) toggle(w, part, true);
     for (; i < count; i++) {
         inside = !inside;
-        add_event(w, &(solid_event){hits[i].t, 0, part, hits[i].primitive, i, inside, false});
+        add_event(w, &(solid_event){hits[i].t, 0, part, hits[i].primitive, i, inside, false, false});
     }
 }
 
@@ -253,7 +260,7 @@ static __attribute__((noinline, cold)) void reopen_part(solid_walk *w, uint32_t 
     uint32_t count = shape_crossings(w, item_of_part(w, part), hits, &inside);
     for (uint32_t i = 0; i < count; i++) {
         inside = !inside;
-        solid_event e = {hits[i].t, 0, part, hits[i].primitive, i, inside, false};
+        solid_event e = {hits[i].t, 0, part, hits[i].primitive, i, inside, false, false};
         if (!event_before(&e, from)) add_event(w, &e);
     }
 }
@@ -266,7 +273,8 @@ static __attribute__((noinline)) void ask_again(solid_walk *w, const solid_event
                                 .part = e->part,
                                 .primitive = hit.primitive,
                                 .entering = !e->entering,
-                                .again = true});
+                                .again = true,
+                                .near = w->near});
     w->last_asked = e->part, w->last_hit = hit;
 }
 
