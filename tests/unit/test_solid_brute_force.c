@@ -51,6 +51,7 @@ static void find_part(const sagi_snapshot *s, uint32_t id, const sag_ray *line, 
         }
     } else {
         count = sagi_shape_classes[item->kind].crossings(item->shape, &ray, hits, MAX_EVENTS);
+        if (item->kind == SAG_SHAPE_TORUS) count = sagi_torus_leave_outer(item->shape, &ray, hits, count);
         all->begins_inside[id] = sagi_shape_begins_inside((sag_shape_kind)item->kind, item->shape, &ray);
     }
     for (size_t i = 0; i < count; i++) all->at[all->count++] = (event){hits[i].t, id};
