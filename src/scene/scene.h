@@ -24,8 +24,8 @@ typedef struct sagi_store {
     size_t bytes; // of the whole block
     const void *shape;
     const sagi_outline *outline; // NULL: it has none
-    _Atomic double area;        // NAN until someone asked; every thread would find the same
-    _Atomic uint8_t closedness; // likewise: 0, or what solid_check.c says
+    _Atomic double area;         // NAN until someone asked; every thread would find the same
+    _Atomic uint8_t closedness;  // likewise: 0, or what solid_check.c says
 } sagi_store;
 
 // An array of a shape: where it is and how long. NULL: not there.
