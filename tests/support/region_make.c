@@ -190,7 +190,7 @@ static void put_shape(maker *m, sag_shape_kind kind, const void *shape) {
     } else if (kind == SAG_SHAPE_QUADRIC) {
         const sag_quadric *q = shape;
         rule *r = next(m, zero);
-        for (int i = 0; i < 10; i++) PUT(r, i, q->coefficients[i]);
+        for (int i = 0; i < 10; i++) put_factors(r, i, &q->coefficients[i], 1);
         slabs(m, q->clip.min, q->clip.max);
     } else if (kind == SAG_SHAPE_CAPSULE) {
         capsule(m, shape);

@@ -67,10 +67,10 @@ void solid_model_destroy(solid_model *model) {
     free(model);
 }
 
-static membership reduce(sag_solid_operation operation, const signed char *operand, uint32_t count) {
-    int value = operand[0];
+static membership reduce(sag_solid_operation operation, const membership *operand, uint32_t count) {
+    int value = (int)operand[0];
     for (uint32_t i = 1; i < count; i++) {
-        int other = operand[i];
+        int other = (int)operand[i];
         switch (operation) {
         case SAG_SOLID_PART: break;
         case SAG_SOLID_UNION: value = other > value ? other : value; break;
@@ -83,19 +83,20 @@ static membership reduce(sag_solid_operation operation, const signed char *opera
 }
 
 membership solid_model_value(const solid_model *model, const membership *states) {
-    signed char stack[MODEL_MAX_STEPS];
+    membership stack[MODEL_MAX_STEPS];
+    stack[0] = MEMBER_OUT;
     uint32_t top = 0;
     for (uint32_t i = 0; i < model->step_count; i++) {
         sag_solid_step step = model->steps[i];
         if (step.operation == SAG_SOLID_PART) {
-            stack[top++] = (signed char)states[model->parts[step.number]->state];
+            stack[top++] = states[model->parts[step.number]->state];
         } else {
             top -= step.number;
-            stack[top] = (signed char)reduce(step.operation, stack + top, step.number);
+            stack[top] = reduce(step.operation, stack + top, step.number);
             top++;
         }
     }
-    return (membership)stack[0];
+    return stack[0];
 }
 
 static membership at(const solid_model *model, const spot *where, membership *states, bool exactly) {
