@@ -17,8 +17,8 @@ typedef struct sagi_visitor {
 
 typedef struct sagi_kernel {
     // The verbs of scene.h: sag_intersect, sag_occluded and sag_intersect_all. Rays that are not valid miss.
-    // With both_sides what is one-sided is met from behind too, and a solid counts one or nothing and writes no
-    // hits, as parity needs it.
+    // With both_sides what is one-sided is met from behind too, and a solid counts one or nothing and writes
+    // no hits, as parity needs it.
     bool (*intersect)(const sagi_world *world, const sag_ray *ray, sag_hit *hit);
     bool (*occluded)(const sagi_world *world, const sag_ray *ray);
     size_t (*crossings)(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,

@@ -39,11 +39,11 @@ struct sagi_world {
     const sagi_bvh_reference *unbounded; // tested for every ray
     uint32_t item_count, unbounded_count;
     uint32_t instance_levels; // 0 without instances, else one more than the children's most
+    bool has_spread;          // one of the two below is not 0
     // A ray with origin o that is brought to an object's space and back is off by at most
     // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing
     // here has a transform (ray.h).
     double spread_relative, spread_absolute;
-    bool has_spread;         // one of them is not 0
     const sagi_solid *solid; // of a solid: its tree; else NULL
 };
 

@@ -79,7 +79,7 @@ sag_status sagi_snapshot_fill(sagi_snapshot *s, const sag_scene *scene, sag_erro
 
 static sag_status make(const sag_scene *scene, sagi_snapshot *s, sag_error *error) {
     sag_status status = SAG_OK;
-    if (scene->solid.steps != NULL) status = sagi_snapshot_set_solid(s, scene, error);
+    if (scene->solid_steps != NULL) status = sagi_snapshot_set_solid(s, scene, error);
     if (status == SAG_OK) status = sagi_snapshot_fill(s, scene, error);
     if (status == SAG_OK && s->solid != NULL)
         status = sagi_snapshot_measure_parts(s, scene->cell->current, error);
@@ -117,7 +117,7 @@ sag_status sag_scene_commit(sag_scene *scene, sag_error *error) {
 // committed ones.
 static uint64_t memory_of(const sag_scene *scene, const sagi_snapshot *s) {
     uint64_t bytes = sizeof *scene + sizeof *scene->cell + scene->capacity * sizeof *scene->geometries +
-                     scene->solid.step_count * sizeof *scene->solid.steps;
+                     scene->solid_step_count * sizeof *scene->solid_steps;
     bytes += sagi_snapshot_table_bytes(s) + s->stats.geometry_bytes + s->stats.structure_bytes;
     for (uint32_t i = 0; i < scene->count; i++) {
         const sagi_store *store = scene->geometries[i].store;

@@ -24,7 +24,8 @@ sagi_leaf_cost sagi_leaf_price(const void *snapshot, uint32_t geometry) {
     case SAGI_BLOCK_REFERENCES: break;
     }
     const sagi_snapshot *s = snapshot;
-    return s->solid != NULL ? (sagi_leaf_cost){.each = 16} : (sagi_leaf_cost){.all = 0.5f, .each = 2};
+    if (s->solid != NULL) return (sagi_leaf_cost){.each = 16};
+    return (sagi_leaf_cost){.all = 0.5f, .each = 2};
 }
 
 uint32_t sagi_leaf_units(const void *snapshot, uint32_t geometry, uint32_t count) {

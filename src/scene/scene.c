@@ -36,8 +36,7 @@ void sag_scene_destroy(sag_scene *scene) {
     for (uint32_t i = 0; i < scene->count; i++) forget(&scene->geometries[i]);
     sag_release(scene->context, scene->geometries, scene->capacity * sizeof *scene->geometries);
     sagi_cell_release(scene->cell);
-    sag_release(scene->context, (void *)(uintptr_t)scene->solid.steps,
-                scene->solid.step_count * sizeof *scene->solid.steps);
+    sag_release(scene->context, scene->solid_steps, scene->solid_step_count * sizeof *scene->solid_steps);
     sag_release(scene->context, scene, sizeof *scene);
 }
 

@@ -83,19 +83,18 @@ typedef struct sagi_group {
 
 struct sagi_snapshot {
     sagi_world world;
-    atomic_uint references;
     const sag_context *context;
-    sagi_item *items;    // world.items
-    sagi_entry *entries; // as many
+    atomic_uint references;
     uint32_t count;
+    sagi_item *items;              // world.items, count of them
+    sagi_entry *entries;           // as many
     sagi_bvh_reference *unbounded; // world.unbounded
-    uint32_t unbounded_capacity;
     sagi_group *groups;
     uint32_t *members; // ids by group
-    uint32_t group_count, member_count;
+    uint32_t group_count, member_count, unbounded_capacity;
+    sag_quality quality; // that the tree is built with
     sag_scene_stats stats;
     double radius;        // the largest coordinate of stats.bounds
-    sag_quality quality;  // that the tree is built with
     sagi_solid *solid;    // world.solid
     sag_box3 *part_boxes; // where each part matters
 };
@@ -238,7 +237,8 @@ struct sag_scene {
     const sagi_kernel *kernel;
     sagi_geometry *geometries;
     uint32_t count, capacity;
-    sag_solid solid;     // of the next commit, its steps a copy; none when it has none
+    sag_solid_step *solid_steps; // of the next commit; NULL: no solid
+    uint32_t solid_step_count;
     sag_error add_error; // the first failed add since the last commit; status SAG_OK: none
     sagi_cell *cell;
     sag_quality quality; // of the next commit's tree

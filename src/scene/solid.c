@@ -6,27 +6,30 @@
 #include <string.h>
 
 sag_status sag_scene_set_solid(sag_scene *scene, const sag_solid *solid, sag_error *error) {
-    sag_solid next = {NULL, 0};
+    sag_solid_step *steps = NULL;
+    uint32_t count = 0;
     if (solid != NULL) {
         if (solid->steps == NULL) return sag_error_set(error, SAG_ERROR_ARGUMENT, "a solid without steps");
         sag_status status = sagi_solid_compile(scene->context, solid, 0, NULL, error);
         if (status != SAG_OK) return status;
         size_t bytes = solid->step_count * sizeof *solid->steps;
-        sag_solid_step *steps = sag_allocate(scene->context, bytes);
+        steps = sag_allocate(scene->context, bytes);
         if (steps == NULL) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a solid");
         memcpy(steps, solid->steps, bytes);
-        next = (sag_solid){steps, solid->step_count};
+        count = solid->step_count;
     }
-    sag_release(scene->context, (void *)(uintptr_t)scene->solid.steps,
-                scene->solid.step_count * sizeof *scene->solid.steps);
-    scene->solid = next;
+    sag_release(scene->context, scene->solid_steps, scene->solid_step_count * sizeof *scene->solid_steps);
+    scene->solid_steps = steps, scene->solid_step_count = count;
     return SAG_OK;
 }
 
-sag_solid sag_scene_get_solid(const sag_scene *scene) { return scene->solid; }
+sag_solid sag_scene_get_solid(const sag_scene *scene) {
+    return (sag_solid){scene->solid_steps, scene->solid_step_count};
+}
 
 sag_status sagi_snapshot_set_solid(sagi_snapshot *s, const sag_scene *scene, sag_error *error) {
-    sag_status status = sagi_solid_compile(s->context, &scene->solid, scene->count, &s->solid, error);
+    const sag_solid steps = sag_scene_get_solid(scene);
+    sag_status status = sagi_solid_compile(s->context, &steps, scene->count, &s->solid, error);
     if (status != SAG_OK) return status;
     s->world.solid = s->solid;
     for (uint32_t i = 0; i < scene->count; i++) {

@@ -118,9 +118,11 @@ size_t sagi_solid_bytes(const sagi_solid *s) {
            s->geometry_count * sizeof(uint32_t);
 }
 
-static sag_status write_parts(const compiler *c, sagi_solid *s, sag_error *error) {
-    sagi_solid_part *part = (sagi_solid_part *)(uintptr_t)sagi_solid_parts(s);
-    uint32_t *part_of = (uint32_t *)(uintptr_t)sagi_solid_part_of(s);
+static sag_status write_contents(const compiler *c, sagi_solid *s, sag_error *error) {
+    sagi_solid_node *nodes = (sagi_solid_node *)(void *)(s + 1);
+    sagi_solid_part *part = (sagi_solid_part *)(void *)(nodes + s->node_count);
+    uint32_t *part_of = (uint32_t *)(void *)(part + s->part_count);
+    memcpy(nodes, c->nodes, s->node_count * sizeof *nodes);
     for (uint32_t g = 0; g < s->geometry_count; g++) part_of[g] = SAG_INVALID_ID;
     for (uint32_t i = 0, n = 0; i < c->from->step_count; i++) {
         if (c->from->steps[i].operation != SAG_SOLID_PART) continue;
@@ -143,8 +145,10 @@ sag_status sagi_solid_compile(const sag_context *context, const sag_solid *from,
     c.nodes = sag_allocate(context, (count + 1) * sizeof *c.nodes);
     sagi_solid *s = NULL;
     sag_status status = SAG_OK;
-    if ((count > 0 && c.steps == NULL) || c.nodes == NULL)
-        status = sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a solid");
+    if ((count > 0 && c.steps == NULL) || c.nodes == NULL) {
+        sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a solid");
+        status = SAG_ERROR_MEMORY;
+    }
     if (status == SAG_OK) status = find_parents(&c, error);
     if (status == SAG_OK) status = make_nodes(&c, error);
     if (status == SAG_OK && solid != NULL) {
@@ -154,8 +158,7 @@ sag_status sagi_solid_compile(const sag_context *context, const sag_solid *from,
             status = sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a solid");
         } else {
             *s = head;
-            memcpy((void *)(s + 1), c.nodes, c.node_count * sizeof *c.nodes);
-            status = write_parts(&c, s, error);
+            status = write_contents(&c, s, error);
             if (status != SAG_OK) sag_release(context, s, sagi_solid_bytes(s));
         }
     }

@@ -209,7 +209,8 @@ static void blocks_answer_as_their_spheres_do(void **state) {
             sag_ray ray = mean_ray(&r, &m);
             if (k % 2 == 1) cut(&r, &m, &ray);
             for (int i = 0; i < SAGI_ISA_COUNT; i++)
-                if (scenes[i] != NULL) k % 4 < 2 ? compare(&m, scenes[i], &ray) : compare_lone(&m, lone[i], &ray);
+                if (scenes[i] != NULL)
+                    k % 4 < 2 ? compare(&m, scenes[i], &ray) : compare_lone(&m, lone[i], &ray);
         }
         for (int i = 0; i < SAGI_ISA_COUNT; i++) sag_scene_destroy(scenes[i]), sag_scene_destroy(lone[i]);
     }
