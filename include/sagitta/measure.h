@@ -90,7 +90,8 @@ typedef struct sag_measure_options {
     double error;      ///< the relative error wanted; 0: 1e-3. Below about 1e-6 rays take their time
     double confidence; ///< of the intervals, in (0, 1); 0: 0.95
     uint64_t seed;     ///< another seed, other rays; the same seed the same bits, whatever the threads
-    uint64_t max_rays; ///< for each body, at which it is left at the error reached; 0: 100 million
+    uint64_t max_rays; ///< for each body, at which it is left at the error reached, but for thickness; 24,576
+                       ///< at least, with which it begins; 0: 100 million
     size_t max_bodies; ///< no more of them are looked at; 0: 65,536
     bool no_thickness; ///< saves the rays for it, which are all that exact bodies take
     bool sample_all;   ///< rays for everything, to check
@@ -103,7 +104,7 @@ typedef struct sag_measure_options {
 typedef struct sag_measurement {
     sag_body *bodies;
     size_t body_count;
-    uint64_t omitted_count; ///< bodies beyond max_bodies
+    uint64_t omitted_count; ///< bodies beyond max_bodies; 2⁶³ − 1: or more
     uint64_t rays;
     const sag_context *context; ///< that the bodies' memory is of,
     size_t capacity;            ///< which has room for so many

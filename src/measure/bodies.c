@@ -2,7 +2,8 @@
 // The bodies of a scene: every geometry at every place where instances put it, and every solid as one. In
 // order of the ids along the path, so the list is the same whatever else changes. The walk comes back to
 // itself for instances, SAG_MAX_INSTANCE_DEPTH deep at most; a scene that shows a million trees a million
-// times has more bodies than memory, so it stops taking them at a limit and only counts on.
+// times has more bodies than memory, so it stops taking them at a limit. How many
+// more there are follows from the numbers of each snapshot, without a walk to all of them.
 #include "measure/measure.h"
 #include "shapes/mesh.h"
 #include "shapes/shape.h"
@@ -75,7 +76,29 @@ static bool add_body(sagi_body_list *list, const sagi_snapshot *s, const place *
     return true;
 }
 
+// A sum of two that are no more than this, neither is it.
+#define MOST_BODIES (UINT64_MAX / 2)
+static uint64_t plus(uint64_t a, uint64_t b) { return a + b < MOST_BODIES ? a + b : MOST_BODIES; }
+
+// Its children have been counted.
+static uint64_t count_bodies(const sagi_body_list *list, const sagi_snapshot *s) {
+    uint64_t count = 0;
+    if (sagi_snapshot_is_solid(s)) return 1;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const sagi_entry *entry = &s->entries[i];
+        if (entry->present && entry->child != NULL)
+            count = plus(count, list->body_counts[sagi_listing_find(&list->listing, entry->child)]);
+        else if (entry->present && s->items[i].shape != NULL)
+            count = plus(count, 1);
+    }
+    return count;
+}
+
 static bool walk(sagi_body_list *list, const sagi_snapshot *s, const place *at) {
+    if (list->count == list->limit) {
+        list->omitted = plus(list->omitted, list->body_counts[sagi_listing_find(&list->listing, s)]);
+        return true;
+    }
     if (sagi_snapshot_is_solid(s)) return add_body(list, s, at, SAG_INVALID_ID);
     for (uint32_t i = 0; i < s->count; i++) {
         const sagi_entry *entry = &s->entries[i];
@@ -98,10 +121,12 @@ static bool walk(sagi_body_list *list, const sagi_snapshot *s, const place *at) 
 // Each geometry of each snapshot gets a number, whatever the number of instances.
 static bool number_slots(sagi_body_list *list) {
     list->first_slot = sag_allocate(list->context, list->listing.count * sizeof *list->first_slot);
-    if (list->first_slot == NULL) return false;
+    list->body_counts = sag_allocate(list->context, list->listing.count * sizeof *list->body_counts);
+    if (list->first_slot == NULL || list->body_counts == NULL) return false;
     for (uint32_t i = 0; i < list->listing.count; i++) {
         list->first_slot[i] = list->slot_count;
         list->slot_count += list->listing.snapshots[i]->count;
+        list->body_counts[i] = count_bodies(list, list->listing.snapshots[i]);
     }
     return true;
 }
@@ -116,5 +141,6 @@ void sagi_body_list_release(sagi_body_list *list) {
     sag_release(list->context, list->bodies, list->capacity * sizeof *list->bodies);
     sag_release(list->context, list->subjects, list->capacity * sizeof *list->subjects);
     sag_release(list->context, list->first_slot, list->listing.count * sizeof *list->first_slot);
+    sag_release(list->context, list->body_counts, list->listing.count * sizeof *list->body_counts);
     sagi_listing_release(&list->listing);
 }

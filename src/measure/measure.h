@@ -87,7 +87,8 @@ typedef struct sagi_body_list {
     uint64_t omitted;
     uint32_t slot_count;
     sagi_listing listing;
-    uint32_t *first_slot; // of each snapshot in the listing
+    uint32_t *first_slot;  // of each snapshot in the listing
+    uint64_t *body_counts; // likewise: bodies that one instance of it shows
 } sagi_body_list;
 bool sagi_body_list_make(sagi_body_list *list, const sagi_snapshot *snapshot);
 void sagi_body_list_release(sagi_body_list *list);

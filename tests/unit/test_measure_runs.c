@@ -158,6 +158,34 @@ static void wrong_options_are_errors(void **state) {
 }
 
 // Face forward turns normals towards rays; inside stays inside.
+// A thousand times a thousand … of one ball: those beyond max_bodies are counted without a walk to each.
+static void a_million_million_bodies_are_counted(void **state) {
+    (void)state;
+    enum { LEVELS = 7 };
+    static const uint64_t wanted[LEVELS + 1] = {
+        0, 997, 999997, 999999997, 999999999997, 999999999999997, 999999999999999997, INT64_MAX};
+    const sag_affine here = sag_affine_identity();
+    const sag_measure_options three = {.max_bodies = 3, .no_thickness = true};
+    sag_scene *scene = sag_scene_create(context);
+    assert_non_null(scene);
+    sag_add_sphere(scene, &(sag_sphere){.radius = 1});
+    assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+    for (int level = 1; level <= LEVELS; level++) {
+        sag_scene *outer = sag_scene_create(context);
+        assert_non_null(outer);
+        for (int i = 0; i < 1000; i++) assert_int_equal(sag_add_instance(outer, scene, &here), i);
+        assert_int_equal(sag_scene_commit(outer, NULL), SAG_OK);
+        sag_scene_destroy(scene);
+        scene = outer;
+        sag_measurement m;
+        assert_int_equal(sag_measure(scene, &three, &m, NULL), SAG_OK);
+        assert_int_equal(m.body_count, 3);
+        assert_true(m.omitted_count == wanted[level]);
+        sag_measurement_clear(&m);
+    }
+    sag_scene_destroy(scene);
+}
+
 static void facing_does_not_matter(void **state) {
     (void)state;
     const float centers[] = {0, 0, 0, 1, 0, 0};
@@ -237,6 +265,7 @@ int main(void) {
         cmocka_unit_test(short_memory_is_an_error),
         cmocka_unit_test(it_can_be_stopped),
         cmocka_unit_test(wrong_options_are_errors),
+        cmocka_unit_test(a_million_million_bodies_are_counted),
         cmocka_unit_test(facing_does_not_matter),
         cmocka_unit_test(student_quantiles),
         cmocka_unit_test(points_are_nets),
