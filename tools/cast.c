@@ -7,6 +7,7 @@
 #include "formats/ray_table.h"
 #include "tool.h"
 
+#include <math.h>
 #include <sagitta/solid.h>
 #include <string.h>
 #include <unistd.h>
@@ -139,6 +140,15 @@ static sagi_hit_row row_of_hit(const cast *c, uint64_t number, const sag_ray *ra
                           .instance = instance_of(hit)};
 }
 
+// In the scene's unit. The direction may be so short or long that its length alone has no square.
+static double length_of(const sag_ray *ray, const sag_span *span) {
+    int exponent;
+    (void)frexp(sag_max_component(sag_abs(ray->direction)), &exponent);
+    const sag_vec3 d = {ldexp(ray->direction.x, -exponent), ldexp(ray->direction.y, -exponent),
+                        ldexp(ray->direction.z, -exponent)};
+    return ldexp(span->leave.t - span->enter.t, exponent) * sag_length(d);
+}
+
 static sagi_hit_row row_of_span(uint64_t number, const sag_ray *ray, const sag_span *span) {
     return (sagi_hit_row){.ray = number,
                           .hit = true,
@@ -147,7 +157,7 @@ static sagi_hit_row row_of_span(uint64_t number, const sag_ray *ray, const sag_s
                           .primitive = id_of(span->enter.primitive),
                           .instance = instance_of(&span->enter),
                           .t_leave = span->leave.t,
-                          .length = (span->leave.t - span->enter.t) * sag_length(ray->direction),
+                          .length = length_of(ray, span),
                           .geometry_leave = id_of(span->leave.geometry),
                           .primitive_leave = id_of(span->leave.primitive)};
 }

@@ -53,6 +53,12 @@ expect 0 cast cube.obj --rays range.csv -q
 expect 0 cast cube.obj --rays range.csv -q --query spans
 [ "$(cut -d, -f1-5 out | tail -n +2 | tr '\n' ' ')" = "0,1,4.5,6,1.5 1,0,nan,nan,0 2,1,4,6,2 " ] || { fail "range of spans"; cat out; }
 
+# Directions of any length: the length of a span is not lost where the square of the direction's is.
+printf '0.25,0.5,-5,0,0,1e-300,0,inf\n0.25,0.5,-5,0,0,1e300,0,inf\n0.25,0.5,0,0,0,1e-200,0,0\n' >lengths.csv
+expect 0 cast cube.obj --rays lengths.csv -q --query spans
+awk -F, 'FNR > 1 && FNR < 4 && !($5 > 1.999999 && $5 < 2.000001) { exit 1 } FNR == 4 && $5 != 0 { exit 1 }' out ||
+    { fail "lengths of spans along short and long directions"; cat out; }
+
 # Standard input; lines that end in \r\n; into a file.
 "$sagitta" cast cube.obj --rays - -o hits.csv <rays.csv 2>err || fail "rays from the standard input"
 cmp -s hits.csv closest.csv || fail "-o hits.csv differs from the standard output"
