@@ -4,6 +4,7 @@
 // that is.
 #include "tool.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,8 +72,9 @@ static int unknown_option(const tool_command *command, const option *options, si
 static int read_count(const tool_command *command, const option *o, const char *value) {
     char *end = NULL;
     const bool digits = value[0] >= '0' && value[0] <= '9';
+    errno = 0; // which says when it is more than 64 bits hold
     const unsigned long long n = digits ? strtoull(value, &end, 10) : 0;
-    if (!digits || *end || n < o->minimum || n > o->maximum) {
+    if (!digits || *end || errno == ERANGE || n < o->minimum || n > o->maximum) {
         usage_error(command->name, "--%s %s: expected a whole number from %llu to %llu", o->name, value,
                     (unsigned long long)o->minimum, (unsigned long long)o->maximum);
         return -1;

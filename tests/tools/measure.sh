@@ -77,6 +77,8 @@ has err 'density -1: expected a number greater than 0'
 expect 2 measure cube.obj --eror 1e-3
 has err "did you mean '--error'"
 expect 2 measure cube.obj --max-rays 0
+expect 2 measure cube.obj --seed 18446744073709551616 # one more than 64 bits hold
+expect 0 measure cube.obj --seed 18446744073709551615 -q
 expect 1 measure absent.obj
 has err absent.obj
 expect 1 measure cube.obj --json nowhere/x.json
