@@ -31,7 +31,7 @@ static void part(studio *s, builder *b, sag_shape_kind kind, const void *shape, 
 static void place(studio *s, builder *b, const sag_affine *where) {
     const sag_solid solid = {b->steps, b->step_count};
     const sag_affine identity = sag_affine_identity();
-    sag_error error = {SAG_OK};
+    sag_error error = {.status = SAG_OK};
     if (sag_scene_set_solid(b->scene, &solid, &error) != SAG_OK ||
         sag_scene_commit(b->scene, &error) != SAG_OK)
         fail_msg("%s", error.message);
