@@ -14,7 +14,7 @@ done
 cd "$(dirname "$0")/.."
 mkdir -p "$folder"
 # One object a source, two at a time: xargs is make enough for this.
-ls src/base/*.c src/math/*.c src/shapes/*.c src/bvh/*.c src/kernel/*.c src/scene/*.c src/measure/*.c |
+ls src/base/*.c src/math/*.c src/shapes/*.c src/solid/*.c src/bvh/*.c src/kernel/*.c src/scene/*.c src/measure/*.c |
   xargs -P "$(getconf _NPROCESSORS_ONLN)" -I '{}' sh -c '
     object="$2/$(echo "$3" | tr / _).o"
     [ -z "$(find src include -newer "$object" 2>/dev/null || echo absent)" ] ||
