@@ -9,13 +9,10 @@
 // (pixel, d): Kensler's hash ("Correlated Multi-Jittered Sampling", 2013) is a bijection of the next power of
 // two, walked until it lands in range. Nothing is stored.
 //
-// Sobol'. A pair of dimensions uses the first two Sobol' dimensions, a (0, 2)-sequence: every 2ᵏ points
-// starting at a multiple of 2ᵏ lie one in each of the 2ᵏ boxes 2⁻ᵃ × 2⁻ᵇ, a + b = k. Owen's scrambling flips
-// each bit by a hash of the bits above it, which keeps this property and makes the points random; Laine and
-// Karras' hash does all 32 bits at once on the reversed number (Burley, JCGT 9(4), 2020; constants by
-// Vegdahl). Each pair also shuffles the points' order, by the same kind of scramble of the index, so that
-// pairs are unrelated. The scramble acts on an index's low bits independently of its high bits: so only the
-// bits that count − 1 has need be kept.
+// Sobol'. A pair of dimensions uses the first two Sobol' dimensions with Owen's scrambling (math/sobol.h).
+// Each pair also shuffles the points' order, by the same kind of scramble of the index, so that pairs are
+// unrelated. The scramble acts on an index's low bits independently of its high bits: so only the bits that
+// count − 1 has need be kept.
 #include "sampler.h"
 
 uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed) {
@@ -42,32 +39,6 @@ uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed) {
         index ^= index >> 5;
     } while (index >= count);
     return (uint32_t)(((uint64_t)index + seed) % count);
-}
-
-static uint32_t reverse_bits(uint32_t x) {
-    x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
-    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
-    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
-    return x << 16 | x >> 16;
-}
-
-// Owen's scramble of a number whose bits stand in reverse: each bit changes by the bits below it only.
-static uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
-    x ^= x * 0x3D20ADEAu;
-    x += seed;
-    x *= seed >> 16 | 1;
-    x ^= x * 0x05526C56u;
-    x ^= x * 0x53A22864u;
-    return x;
-}
-
-// The second Sobol' dimension; its direction numbers are 2³¹ and each from the one before by x ^ x/2.
-static uint32_t sobol_second(uint32_t index) {
-    uint32_t result = 0;
-    for (uint32_t direction = 0x80000000u; index; index >>= 1, direction ^= direction >> 1)
-        if (index & 1) result ^= direction;
-    return result;
 }
 
 void sagi_sampler_init(sagi_sampler *sampler, sag_sampler_kind kind, uint64_t seed, uint32_t count) {
@@ -97,10 +68,12 @@ double sagi_sampler_1d(sagi_sampler *sampler) {
     }
     case SAG_SAMPLER_SOBOL: {
         uint64_t seeds = dimension_bits(sampler);
-        uint32_t index = reverse_bits(scramble_reversed(reverse_bits(sampler->sample), (uint32_t)seeds));
+        uint32_t index =
+            sagi_reverse_bits(sagi_scramble_reversed(sagi_reverse_bits(sampler->sample), (uint32_t)seeds));
         // The first Sobol' dimension is the reversed index; its scramble wants the reverse of that.
         result =
-            reverse_bits(scramble_reversed(index & sampler->index_mask, (uint32_t)(seeds >> 32))) * 0x1p-32;
+            sagi_reverse_bits(sagi_scramble_reversed(index & sampler->index_mask, (uint32_t)(seeds >> 32))) *
+            0x1p-32;
         break;
     }
     }
@@ -128,12 +101,13 @@ sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
     case SAG_SAMPLER_SOBOL: {
         uint64_t seeds = dimension_bits(sampler);
         uint64_t more = sagi_mix(seeds);
-        uint32_t index = reverse_bits(scramble_reversed(reverse_bits(sampler->sample), (uint32_t)more));
+        uint32_t index =
+            sagi_reverse_bits(sagi_scramble_reversed(sagi_reverse_bits(sampler->sample), (uint32_t)more));
         index &= sampler->index_mask;
-        result.x = reverse_bits(scramble_reversed(index, (uint32_t)seeds)) * 0x1p-32;
-        result.y =
-            reverse_bits(scramble_reversed(reverse_bits(sobol_second(index)), (uint32_t)(seeds >> 32))) *
-            0x1p-32;
+        result.x = sagi_reverse_bits(sagi_scramble_reversed(index, (uint32_t)seeds)) * 0x1p-32;
+        result.y = sagi_reverse_bits(sagi_scramble_reversed(sagi_reverse_bits(sagi_sobol_second(index)),
+                                                            (uint32_t)(seeds >> 32))) *
+                   0x1p-32;
         break;
     }
     }

@@ -4,6 +4,7 @@
 #ifndef SAGI_RENDER_SAMPLER_H
 #define SAGI_RENDER_SAMPLER_H
 
+#include "math/sobol.h"
 #include <sagitta/render.h>
 
 typedef struct sagi_sampler {
@@ -16,15 +17,6 @@ typedef struct sagi_sampler {
     uint32_t sample;    // of this pixel
     uint32_t dimension; // of this sample: counts the calls
 } sagi_sampler;
-
-// A bijection of 64 bits that leaves no visible relation between near arguments (sampler.c).
-static inline uint64_t sagi_mix(uint64_t x) {
-    x ^= x >> 30;
-    x *= UINT64_C(0xBF58476D1CE4E5B9);
-    x ^= x >> 27;
-    x *= UINT64_C(0x94D049BB133111EB);
-    return x ^ (x >> 31);
-}
 
 static inline void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
     sampler->key = sagi_mix(sampler->seed ^ sagi_mix((uint64_t)y << 32 | x));
