@@ -26,4 +26,12 @@ typedef struct sagi_pixel {
     uint32_t count; // samples summed: bad ones are not
 } sagi_pixel;
 
+// Adds a sample; false, adding nothing, for one that is not finite.
+static inline bool sagi_pixel_add(sagi_pixel *pixel, sag_rgb value) {
+    if (!sagi_rgb_is_finite(value)) return false;
+    pixel->r += value.r, pixel->g += value.g, pixel->b += value.b;
+    pixel->count++;
+    return true;
+}
+
 #endif

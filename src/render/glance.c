@@ -27,15 +27,9 @@ uint32_t sagi_glance_finish(sagi_wave *wave) {
     sag_intersect_batch(wave->render->scene, wave->rays, wave->hits, wave->path_count);
     for (uint32_t i = 0; i < wave->path_count; i++) {
         const sag_hit *hit = &wave->hits[i];
-        sagi_pixel *pixel = wave->pixels[i];
         sag_rgb value = {0, 0, 0};
         if (hit->geometry != SAG_INVALID_ID) value = depth ? sagi_rgb_grey(hit->t) : sagi_id_color(hit);
-        if (!sagi_rgb_is_finite(value)) {
-            bad++;
-            continue;
-        }
-        pixel->r += value.r, pixel->g += value.g, pixel->b += value.b;
-        pixel->count++;
+        bad += !sagi_pixel_add(wave->pixels[i], value);
     }
     wave->path_count = 0;
     return bad;

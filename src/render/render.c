@@ -126,16 +126,8 @@ static uint32_t finish_wave(sagi_wave *wave, bool glance) {
     if (glance) return sagi_glance_finish(wave);
     uint32_t bad = 0;
     sagi_wave_follow(wave);
-    for (uint32_t i = 0; i < wave->path_count; i++) {
-        sag_rgb value = wave->paths[i].radiance;
-        sagi_pixel *pixel = wave->paths[i].pixel;
-        if (!sagi_rgb_is_finite(value)) {
-            bad++;
-            continue;
-        }
-        pixel->r += value.r, pixel->g += value.g, pixel->b += value.b;
-        pixel->count++;
-    }
+    for (uint32_t i = 0; i < wave->path_count; i++)
+        bad += !sagi_pixel_add(wave->paths[i].pixel, wave->paths[i].radiance);
     wave->path_count = 0;
     return bad;
 }
