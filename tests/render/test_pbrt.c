@@ -363,10 +363,7 @@ static void test_shared_scenes(void **state) {
 // The picture of `make demo` shows every kind of shape, and loads without a word.
 static void test_showcase(void **state) {
     (void)state;
-    char path[1024];
-    snprintf(path, sizeof path, "%s", __FILE__); // tests/render/test_pbrt.c
-    for (int up = 0; up < 3; up++) *strrchr(path, '/') = '\0';
-    strcat(path, "/examples/showcase.pbrt");
+    const char *path = SAGITTA_EXAMPLES "/showcase.pbrt";
     scene_warnings[0] = '\0';
     sag_world *world = sag_world_create(scene_context);
     sag_error error;
