@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The first two Sobol' dimensions and Owen's scrambling, and a hash of 64 bits: what both pictures and
-// measurements draw their points with.
+// The first two Sobol' dimensions and Owen's scrambling: what both pictures and measurements draw their points
+// with.
 //
 // The two dimensions together are a (0, 2)-sequence: every 2ᵏ points from a multiple of 2ᵏ on lie one in each
 // of the 2ᵏ boxes of size 2⁻ᵃ × 2⁻ᵇ, a + b = k. Owen's scrambling flips each bit of a coordinate by a hash of
@@ -10,16 +10,6 @@
 #define SAGI_MATH_SOBOL_H
 
 #include <stdint.h>
-
-// A bijection of 64 bits that leaves no visible relation between near arguments: SplitMix64's finaliser with
-// Stafford's constants.
-static inline uint64_t sagi_mix(uint64_t x) {
-    x ^= x >> 30;
-    x *= UINT64_C(0xBF58476D1CE4E5B9);
-    x ^= x >> 27;
-    x *= UINT64_C(0x94D049BB133111EB);
-    return x ^ (x >> 31);
-}
 
 // The first dimension is the index reversed.
 static inline uint32_t sagi_reverse_bits(uint32_t x) {

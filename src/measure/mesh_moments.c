@@ -25,9 +25,9 @@
 //
 // Each piece of 32,768 triangles is one task; their sums are added in order, so the number of threads does
 // not matter.
+#include "math/hash.h"
 #include "measure/measure.h"
 #include "shapes/mesh.h"
-#include <string.h>
 
 #define PIECE ((uint32_t)32768)
 #define SUMS  (SAGI_RAW_COUNT + 2) // moments, area, the sum of absolute values
@@ -70,30 +70,15 @@ static void add_triangle(sums *s, sag_vec3 a, sag_vec3 b, sag_vec3 c, sag_vec3 a
     add(s, SAGI_RAW_COUNT + 1, sag_length(a) * sag_length(ab) * sag_length(ac) / 6);
 }
 
-static uint64_t mix(uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-static uint64_t fingerprint(sag_vec3 p, uint64_t salt) {
-    const double coordinates[3] = {p.x + 0.0, p.y + 0.0, p.z + 0.0}; // −0 becomes 0
-    uint64_t bits[3];
-    memcpy(bits, coordinates, sizeof bits);
-    return mix(bits[0] + mix(bits[1] + mix(bits[2] + salt)));
-}
-
+// An edge adds the same as the way back takes off, one of no length nothing.
 static void add_edges(sums *s, const sag_vec3 p[3]) {
-    for (int part = 0; part < 2; part++) {
-        uint64_t f[3];
-        for (int k = 0; k < 3; k++)
-            f[k] = fingerprint(p[k], part ? 0xD1B54A32D192ED03u : 0x9E3779B97F4A7C15u);
+    sagi_fingerprint f[3];
+    for (int k = 0; k < 3; k++) f[k] = sagi_fingerprint_of(p[k]);
+    for (int part = 0; part < 2; part++)
         for (int k = 0; k < 3; k++) {
-            const uint64_t a = f[k], b = f[(k + 1) % 3];
-            // Symmetric but for the sign; 0 for an edge of no length.
-            s->edges[part] += (a < b ? 1u : a > b ? UINT64_MAX : 0u) * mix(a ^ b ^ mix(a + b));
+            const uint64_t a = f[k].part[part], b = f[(k + 1) % 3].part[part];
+            s->edges[part] += (a < b ? 1u : a > b ? UINT64_MAX : 0u) * sagi_mix(a ^ b ^ sagi_mix(a + b));
         }
-    }
 }
 
 static void sum_piece(void *argument, size_t index) {

@@ -10,6 +10,7 @@
 //
 // The scramble's hash is not quite uniform over its seeds, so a random digital shift goes on top, which
 // makes each point exactly uniform over the cells of 2⁻³², and random bits below those within the cell.
+#include "math/hash.h"
 #include "math/sobol.h"
 #include "measure/measure.h"
 

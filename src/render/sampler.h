@@ -4,6 +4,7 @@
 #ifndef SAGI_RENDER_SAMPLER_H
 #define SAGI_RENDER_SAMPLER_H
 
+#include "math/hash.h"
 #include "math/sobol.h"
 #include <sagitta/render.h>
 

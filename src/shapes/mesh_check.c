@@ -11,10 +11,9 @@
 //
 // The report speaks of good triangles. Whether a mesh bounds a volume is a weaker question (mesh_closed.c):
 // there triangles without area count, but their edges of no length do not.
+#include "math/hash.h"
 #include "shapes/closed.h"
 #include "shapes/mesh.h"
-
-#include <string.h>
 
 typedef struct check {
     const sag_mesh *mesh;
@@ -25,19 +24,6 @@ typedef struct check {
     bool with_flat;     // triangles without area count too
 } check;
 
-static uint64_t mix(uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-static uint64_t hash(sag_vec3 p) {
-    const double coordinates[3] = {p.x + 0.0, p.y + 0.0, p.z + 0.0}; // −0 becomes 0
-    uint64_t bits[3];
-    memcpy(bits, coordinates, sizeof bits);
-    return mix(bits[0] + mix(bits[1] + mix(bits[2] + 0x9E3779B97F4A7C15u)));
-}
-
 // NaN positions equal nothing; their triangles are not looked at again.
 static void merge_vertices(check *c) {
     memset(c->table, 0xFF, c->table_count * sizeof *c->table);
@@ -45,7 +31,7 @@ static void merge_vertices(check *c) {
         sag_vec3 p = sagi_mesh_vertex(c->mesh, i);
         c->same[i] = i;
         if (!sag_is_finite(p)) continue;
-        for (size_t slot = hash(p);; slot++) {
+        for (size_t slot = sagi_fingerprint_of(p).part[0];; slot++) {
             uint32_t *entry = &c->table[slot & (c->table_count - 1)];
             if (*entry == UINT32_MAX) {
                 *entry = i;

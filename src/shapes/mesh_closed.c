@@ -17,48 +17,25 @@
 // never, for a mesh that does not come from somebody who has looked for one. (He gets nonsense from his mesh,
 // but no more.) Sorting is certain, takes two to three times as long, and memory, which a query does not
 // ask for. 35 ms for a million triangles.
+#include "math/hash.h"
 #include "shapes/closed.h"
 #include "shapes/mesh.h"
-#include <string.h>
-
-typedef struct fingerprint {
-    uint64_t part[2];
-} fingerprint;
-
-static inline uint64_t mix(uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
-}
-
-static inline fingerprint of_position(sag_vec3 p) {
-    const double coordinates[3] = {p.x + 0.0, p.y + 0.0, p.z + 0.0}; // −0 becomes 0
-    uint64_t x[3];
-    memcpy(x, coordinates, sizeof x);
-    uint64_t xy = mix(x[0] + mix(x[1] + 0x9E3779B97F4A7C15u)),
-             yz = mix(x[1] + mix(x[2] + 0xD1B54A32D192ED03u));
-    return (fingerprint){{mix(xy + x[2]), mix(yz ^ x[0])}};
-}
-
-static inline bool is_same(fingerprint a, fingerprint b) {
-    return a.part[0] == b.part[0] && a.part[1] == b.part[1];
-}
 
 // Of an edge whichever way it goes; an edge of no length is none.
-static inline void add_edge(fingerprint *sum, fingerprint a, fingerprint b) {
-    if (is_same(a, b)) return;
-    for (int i = 0; i < 2; i++) sum->part[i] ^= mix(a.part[i] + b.part[i]);
+static inline void add_edge(sagi_fingerprint *sum, sagi_fingerprint a, sagi_fingerprint b) {
+    if (a.part[0] == b.part[0] && a.part[1] == b.part[1]) return;
+    for (int i = 0; i < 2; i++) sum->part[i] ^= sagi_mix(a.part[i] + b.part[i]);
 }
 
 bool sagi_mesh_is_closed(const sag_mesh *mesh) {
-    fingerprint sum = {{0, 0}};
+    sagi_fingerprint sum = {{0, 0}};
     bool any = false;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         sag_vec3 p[3];
-        fingerprint f[3];
+        sagi_fingerprint f[3];
         sagi_mesh_triangle(mesh, i, p);
         if (!sagi_triangle_is_finite(&p[0], &p[1], &p[2])) continue;
-        for (int k = 0; k < 3; k++) f[k] = of_position(p[k]);
+        for (int k = 0; k < 3; k++) f[k] = sagi_fingerprint_of(p[k]);
         for (int k = 0; k < 3; k++) add_edge(&sum, f[k], f[(k + 1) % 3]);
         any = true;
     }

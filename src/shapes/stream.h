@@ -5,18 +5,14 @@
 #ifndef SAGI_SHAPES_STREAM_H
 #define SAGI_SHAPES_STREAM_H
 
-#include <sagitta/math.h>
-#include <string.h>
+#include "math/hash.h"
 
 typedef struct sagi_stream {
     uint64_t state;
 } sagi_stream;
 
 static inline uint64_t sagi_stream_bits(sagi_stream *s) {
-    uint64_t z = (s->state += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
+    return sagi_mix(s->state += 0x9E3779B97F4A7C15u);
 }
 
 static inline sagi_stream sagi_stream_of(sag_vec2 random) {
