@@ -349,16 +349,9 @@ static sag_status cast_rays(const cast_options *o, sag_world *world, sag_error *
 static int cast_file(const cast_options *o) {
     sag_context *context = session_open(o->threads, o->quiet);
     if (!context) return TOOL_FAILED;
-    progress bar;
-    progress_begin(&bar, "loading", "", o->quiet);
-    progress_note(&bar, "loading ...");
     sag_error error = {0};
-    sag_world *world = sag_world_create(context);
-    sag_status status = world ? sag_world_load_geometry(world, o->file, NULL, NULL, &error)
-                              : sag_error_set(&error, SAG_ERROR_MEMORY, "out of memory");
-    if (status == SAG_OK) status = sag_scene_commit(sag_world_scene(world), &error);
-    progress_end(&bar);
-    if (status == SAG_OK) status = cast_rays(o, world, &error);
+    sag_world *world = session_load(context, o->file, o->quiet, NULL, NULL, &error);
+    const sag_status status = world ? cast_rays(o, world, &error) : error.status;
     sag_world_destroy(world);
     const int result = status == SAG_OK ? TOOL_OK : report_error(&error);
     session_close(context);

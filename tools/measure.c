@@ -154,19 +154,16 @@ static sag_status report(const measure_options *o, sag_world *world, name_list *
 static int measure_file(const measure_options *o) {
     sag_context *context = session_open(o->threads, o->quiet);
     if (!context) return TOOL_FAILED;
-    progress bar;
-    progress_begin(&bar, "loading", "", o->quiet);
-    progress_note(&bar, "loading ...");
     name_list names = {.file = o->file};
     sag_error error = {0};
+    sag_status status = check_json(o->json, &error);
     const double start = clock_seconds();
-    sag_world *world = sag_world_create(context);
-    sag_status status = world ? sag_world_load_geometry(world, o->file, on_mesh, &names, &error)
-                              : sag_error_set(&error, SAG_ERROR_MEMORY, "out of memory");
-    if (status == SAG_OK) status = check_json(o->json, &error);
-    if (status == SAG_OK) status = sag_scene_commit(sag_world_scene(world), &error);
-    progress_end(&bar);
-    if (status == SAG_OK) status = report(o, world, &names, clock_seconds() - start, &error);
+    sag_world *world = NULL;
+    if (status == SAG_OK) {
+        world = session_load(context, o->file, o->quiet, on_mesh, &names, &error);
+        status = error.status;
+    }
+    if (world) status = report(o, world, &names, clock_seconds() - start, &error);
     sag_world_destroy(world);
     free(names.meshes);
     const int result = status == SAG_OK ? TOOL_OK : report_error(&error);

@@ -89,7 +89,7 @@ static int read_number(const tool_command *command, const option *o, const char 
     const double x = starts ? strtod(value, &end) : 0;
     if (!starts || *end || !(x > o->least && x < o->most)) {
         if (o->most > 1e300) {
-            usage_error(command->name, "--%s %s: expected a number greater than %g", o->name, value,
+            usage_error(command->name, "--%s %s: expected a finite number greater than %g", o->name, value,
                         o->least);
         } else {
             usage_error(command->name, "--%s %s: expected a number between %g and %g", o->name, value,

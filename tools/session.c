@@ -102,6 +102,21 @@ sag_context *session_open(uint64_t threads, bool quiet) {
     return NULL;
 }
 
+sag_world *session_load(sag_context *context, const char *file, bool quiet, sag_mesh_callback on_mesh,
+                        void *user, sag_error *error) {
+    progress bar;
+    progress_begin(&bar, "loading", "", quiet);
+    progress_note(&bar, "loading ...");
+    sag_world *world = sag_world_create(context);
+    sag_status status = world ? sag_world_load_geometry(world, file, on_mesh, user, error)
+                              : sag_error_set(error, SAG_ERROR_MEMORY, "out of memory");
+    if (status == SAG_OK) status = sag_scene_commit(sag_world_scene(world), error);
+    progress_end(&bar);
+    if (status == SAG_OK) return world;
+    sag_world_destroy(world);
+    return NULL;
+}
+
 void session_close(sag_context *context) {
     if (context && warning_count > MAX_WARNINGS) {
         fprintf(stderr, "sagitta: warning: %u more warnings not shown\n", warning_count - MAX_WARNINGS);

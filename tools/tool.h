@@ -86,6 +86,11 @@ sag_context *session_open(uint64_t threads, bool quiet);
 // Says how many warnings were held back, and gives the context up.
 void session_close(sag_context *context);
 
+// The geometry of a file, committed, a bar shown meanwhile; on_mesh may be NULL (sag_world_load_geometry).
+// NULL with *error set on failure.
+sag_world *session_load(sag_context *context, const char *file, bool quiet, sag_mesh_callback on_mesh,
+                        void *user, sag_error *error);
+
 // Writes an error as "file:line:col: message" or "sagitta: message". Returns TOOL_FAILED (TOOL_INTERRUPTED
 // for SAG_ERROR_CANCELLED).
 int report_error(const sag_error *error);

@@ -169,6 +169,12 @@ static bool find_geometry(const char *message, size_t count, size_t *found) {
     return end != at + 9 && number < count;
 }
 
+// The message without "step N of the solid: ", which counts what the file does not show.
+static const char *without_step(const char *message) {
+    const char *after = strncmp(message, "step ", 5) == 0 ? strstr(message, ": ") : NULL;
+    return after ? after + 2 : message;
+}
+
 // Keeps the solid that is open for others.
 static sag_status keep(sagi_pbrt *p, uint32_t *index) {
     const sagi_solid_reader *s = &p->solid;
@@ -203,7 +209,7 @@ sag_status sagi_pbrt_solid_commit(sagi_pbrt *p, sagi_place place, uint32_t *inde
         sagi_place_error(s->parts[geometry].place, p->error, "this cannot be a part of a solid: %.400s",
                          reason.message);
     else
-        sagi_place_error(place, p->error, "the solid cannot be built: %.400s", reason.message);
+        sagi_place_error(place, p->error, "the solid cannot be built: %.400s", without_step(reason.message));
     return p->error->status = status;
 }
 

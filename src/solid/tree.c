@@ -107,7 +107,7 @@ static sag_status make_nodes(compiler *c, sag_error *error) {
             c->steps[i].node = add_node(c, s.operation, above, leads);
             c->steps[i].leads = true;
             if (c->depth > SAG_SOLID_MAX_DEPTH)
-                return wrong(error, i, "operations nest deeper than SAG_SOLID_MAX_DEPTH");
+                return wrong(error, i, "operations nest deeper than 64 levels");
         }
     }
     return SAG_OK;

@@ -73,7 +73,7 @@ expect 2 measure cube.obj --error 1e-3x
 expect 2 measure cube.obj --error nan
 expect 2 measure cube.obj --confidence 1
 expect 2 measure cube.obj --density -1
-has err 'density -1: expected a number greater than 0'
+has err 'density -1: expected a finite number greater than 0'
 expect 2 measure cube.obj --eror 1e-3
 has err "did you mean '--error'"
 expect 2 measure cube.obj --max-rays 0
