@@ -4,7 +4,7 @@
 // (support/region.h). Prints how many decisions there were; not one may be wrong.
 #include "support/context.h"
 #include "support/solid_check.h"
-#include "support/solid_random.h"
+#include "support/random_model.h"
 // clang-format off
 #include <stdarg.h>
 #include <setjmp.h>
@@ -25,16 +25,16 @@ static void check_solids(const char *name, uint64_t seed, size_t count, const so
         how.leaves = 1 + rng_below(&r, kind->leaves), how.depth = rng_below(&r, kind->depth + 1);
         int exponent = rng_one_in(&r, 2) ? 0 : (int)rng_below(&r, 60) - 30;
         how.size = how.lattice ? ldexp(1, exponent) : ldexp(rng_uniform(&r, 1, 2), exponent);
-        solid_model *model = solid_random_make(&r, context, &how);
+        solid_model *model = random_model_make(&r, context, &how);
         sag_affine map;
         bool moved = placed && random_place(&r, how.size, &map);
         solid_world world;
         solid_world_make(&world, context, model, moved ? &map : NULL, how.size);
         sag_vec3 points[SOLID_POINTS];
-        adversary a = {{0, 0, 0}, how.size, points, solid_random_points(&r, model, points)};
+        adversary a = {{0, 0, 0}, how.size, points, random_model_points(&r, model, points)};
         for (int k = 0; k < RAYS_PER_SOLID; k++) {
             bool random;
-            sag_ray ray = solid_random_ray(&r, &how, &a, &random);
+            sag_ray ray = random_model_ray(&r, &how, &a, &random);
             if (moved) ray = sag_ray_transform(&map, &ray);
             solid_check_ray(&world, &ray, &r, random && !moved, &tally);
         }

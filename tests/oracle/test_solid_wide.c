@@ -4,7 +4,7 @@
 #include "shapes/shape.h"
 #include "support/context.h"
 #include "support/solid_check.h"
-#include "support/solid_random.h"
+#include "support/random_model.h"
 // clang-format off
 #include <stdarg.h>
 #include <setjmp.h>
@@ -130,10 +130,10 @@ static void thickets(void **state) {
         solid_world world;
         solid_world_make(&world, context, model, NULL, how.size);
         sag_vec3 points[SOLID_POINTS];
-        adversary a = {{0, 0, 0}, how.size, points, solid_random_points(&r, model, points)};
+        adversary a = {{0, 0, 0}, how.size, points, random_model_points(&r, model, points)};
         for (int k = 0; k < (pairs ? 4 : 16); k++) {
             bool random;
-            sag_ray ray = solid_random_ray(&r, &how, &a, &random);
+            sag_ray ray = random_model_ray(&r, &how, &a, &random);
             solid_check_ray(&world, &ray, &r, random, &tally);
         }
         solid_world_free(&world);

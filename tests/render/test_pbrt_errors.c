@@ -16,7 +16,6 @@
 
 #include <zlib.h>
 
-#include "support/failing_allocator.h"
 #include "support/scene_text.h"
 
 #define W "WorldBegin\n"
@@ -223,21 +222,7 @@ static void test_out_of_memory(void **state) {
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
     scene_write("four.ply", quad, strlen(quad));
-    scene_write("memory.pbrt", text, strlen(text));
-    for (size_t k = 0;; k++) {
-        failing_allocator books = {.fail_at = k};
-        const sag_context_options options = {.allocator = failing_allocator_make(&books), .thread_count = 1};
-        sag_context *small = sag_context_create(&options);
-        sag_world *world = small ? sag_world_create(small) : NULL;
-        sag_error error = {0};
-        const sag_status status =
-            world ? sag_world_load(world, scene_path("memory.pbrt"), &error) : SAG_ERROR_MEMORY;
-        if (status != SAG_OK && status != SAG_ERROR_MEMORY) fail_msg("allocation %zu: %s", k, error.message);
-        sag_world_destroy(world);
-        sag_context_destroy(small);
-        failing_allocator_assert_empty(&books);
-        if (status == SAG_OK) break;
-    }
+    scene_fails_without_memory(text);
 }
 
 // Texts made from a good one by chance: never a crash, never memory that is not given back.

@@ -14,7 +14,6 @@
 #include <string.h>
 
 #include "render/world.h"
-#include "support/failing_allocator.h"
 #include "support/scene_text.h"
 
 #define W "WorldBegin\n"
@@ -272,21 +271,7 @@ static void test_out_of_memory(void **state) {
         "ObjectBegin \"a\"" BALL "Shape \"cylinder\" SolidBegin \"union\"" BALL "SolidEnd ObjectEnd\n"
         "SolidBegin \"difference\"" BOX("0", "4") "ObjectInstance \"a\" SolidBegin \"xor\" Shape \"spheres\" "
                                                   "\"point3 P\" [0 0 0 0 0 1] SolidEnd SolidEnd";
-    scene_write("memory.pbrt", text, strlen(text));
-    for (size_t k = 0;; k++) {
-        failing_allocator books = {.fail_at = k};
-        const sag_context_options options = {.allocator = failing_allocator_make(&books), .thread_count = 1};
-        sag_context *small = sag_context_create(&options);
-        sag_world *world = small ? sag_world_create(small) : NULL;
-        sag_error error = {0};
-        const sag_status status =
-            world ? sag_world_load(world, scene_path("memory.pbrt"), &error) : SAG_ERROR_MEMORY;
-        if (status != SAG_OK && status != SAG_ERROR_MEMORY) fail_msg("allocation %zu: %s", k, error.message);
-        sag_world_destroy(world);
-        sag_context_destroy(small);
-        failing_allocator_assert_empty(&books);
-        if (status == SAG_OK) break;
-    }
+    scene_fails_without_memory(text);
 }
 
 int main(void) {

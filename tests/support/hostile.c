@@ -82,3 +82,24 @@ uint32_t hostile_word(rng *r, uint32_t now) {
     default: return (uint32_t)rng_bits(r);
     }
 }
+
+void hostile_words(rng *r, sag_context *context, saved (*make)(uint64_t seed), uint64_t seeds,
+                   uint32_t tries) {
+    uint32_t loaded = 0;
+    for (uint64_t seed = 1; seed <= seeds; seed++) {
+        saved file = make(seed), copy = file;
+        copy.bytes = malloc(file.count);
+        assert_non_null(copy.bytes);
+        for (uint32_t i = 0; i < tries / seeds; i++) {
+            memcpy(copy.bytes, file.bytes, file.count);
+            uint32_t *words = (void *)copy.bytes;
+            for (uint32_t k = 1 + rng_below(r, 3); k > 0; k--) {
+                const uint32_t at = rng_below(r, (uint32_t)(file.count / 4));
+                words[at] = hostile_word(r, words[at]);
+            }
+            loaded += hostile_try(r, context, &copy);
+        }
+        saved_free(&copy), saved_free(&file);
+    }
+    assert_true(loaded > 0 && loaded < tries);
+}

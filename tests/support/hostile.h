@@ -19,4 +19,9 @@ uint32_t hostile_word(rng *r, uint32_t now);
 // Loads the file; what comes of it is asked, changed, committed and asked again. Whether it was loaded.
 bool hostile_try(rng *r, sag_context *context, saved *file);
 
+// Tries files of seeds 1 … `seeds`, some words of each changed, `tries` times in all; fails the test unless
+// some were loaded and some refused.
+void hostile_words(rng *r, sag_context *context, saved (*make)(uint64_t seed), uint64_t seeds,
+                   uint32_t tries);
+
 #endif

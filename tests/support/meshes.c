@@ -14,6 +14,22 @@ static test_mesh make(uint32_t vertex_count, uint32_t triangle_count) {
     return m;
 }
 
+sag_mesh test_mesh_soup(const test_mesh *m, float **positions, uint32_t **triangles) {
+    const uint32_t n = m->mesh.triangle_count;
+    float *soup = *positions = malloc(9 * (size_t)n * sizeof *soup);
+    uint32_t *corners = *triangles = malloc(3 * (size_t)n * sizeof *corners);
+    if (!soup || !corners) abort();
+    for (uint32_t i = 0; i < 3 * n; i++) {
+        corners[i] = i;
+        for (uint32_t k = 0; k < 3; k++) {
+            const float x = (float)m->positions[3 * m->triangles[i] + k];
+            soup[3 * i + k] = x == 0 ? (i % 2 ? -0.0F : 0.0F) : x;
+        }
+    }
+    return (sag_mesh){
+        .positions_f32 = soup, .triangles = corners, .vertex_count = 3 * n, .triangle_count = n};
+}
+
 void test_mesh_free(test_mesh *m) {
     free(m->positions);
     free(m->triangles);

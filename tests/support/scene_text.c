@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/scene_text.h"
+#include "support/failing_allocator.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -97,4 +98,22 @@ double scene_shoot(sag_world *world, double ox, double oy, double oz, double dx,
 
 void scene_near(double got, double wanted) {
     if (!(fabs(got - wanted) <= 1e-12 * fmax(1, fabs(wanted)))) fail_msg("%.17g, not %.17g", got, wanted);
+}
+
+void scene_fails_without_memory(const char *text) {
+    scene_write("memory.pbrt", text, strlen(text));
+    for (size_t k = 0;; k++) {
+        failing_allocator books = {.fail_at = k};
+        const sag_context_options options = {.allocator = failing_allocator_make(&books), .thread_count = 1};
+        sag_context *small = sag_context_create(&options);
+        sag_world *world = small ? sag_world_create(small) : NULL;
+        sag_error error = {0};
+        const sag_status status =
+            world ? sag_world_load(world, scene_path("memory.pbrt"), &error) : SAG_ERROR_MEMORY;
+        if (status != SAG_OK && status != SAG_ERROR_MEMORY) fail_msg("allocation %zu: %s", k, error.message);
+        sag_world_destroy(world);
+        sag_context_destroy(small);
+        failing_allocator_assert_empty(&books);
+        if (status == SAG_OK) break;
+    }
 }

@@ -22,6 +22,8 @@ sag_status scene_load(const char *text, sag_world **world, sag_error *error);
 sag_world *scene_load_good(const char *text);
 // The text must fail at this place with this in its message, and give all memory back.
 void scene_fails(const char *text, int line, int column, const char *what);
+// The text must load, or fail for want of memory and leak none, whichever allocation fails.
+void scene_fails_without_memory(const char *text);
 // t of the first hit along a ray of the loaded scene; NAN for a miss.
 double scene_shoot(sag_world *world, double ox, double oy, double oz, double dx, double dy, double dz);
 // Equal to 1e-12.

@@ -199,18 +199,9 @@ static void triangles_without_area_close(void **state) {
 static void positions_decide(void **state) {
     (void)state;
     test_mesh m = test_mesh_sphere(3);
-    uint32_t n = m.mesh.triangle_count;
-    float *soup = malloc(9 * (size_t)n * sizeof *soup);
-    uint32_t *corners = malloc(3 * (size_t)n * sizeof *corners);
-    assert_true(soup && corners);
-    for (uint32_t i = 0; i < 3 * n; i++) {
-        corners[i] = i;
-        for (uint32_t k = 0; k < 3; k++) {
-            float x = (float)m.positions[3 * m.triangles[i] + k];
-            soup[3 * i + k] = x == 0 ? (i % 2 ? -0.0F : 0.0F) : x;
-        }
-    }
-    sag_mesh mesh = {.positions_f32 = soup, .triangles = corners, .vertex_count = 3 * n, .triangle_count = n};
+    float *soup;
+    uint32_t *corners;
+    const sag_mesh mesh = test_mesh_soup(&m, &soup, &corners);
     assert_int_equal(odd_edges(&mesh).count, 0);
     soup[100] = nextafterf(soup[100], 9); // one corner a little aside
     assert_int_equal(odd_edges(&mesh).count, 4);

@@ -169,18 +169,9 @@ static void test_check(void **state) {
 static void test_check_merges_positions(void **state) {
     (void)state;
     test_mesh m = test_mesh_sphere(3);
-    uint32_t n = m.mesh.triangle_count;
-    float *soup = malloc(9 * (size_t)n * sizeof *soup);
-    uint32_t *corners = malloc(3 * (size_t)n * sizeof *corners);
-    assert_true(soup && corners);
-    for (uint32_t i = 0; i < 3 * n; i++) {
-        corners[i] = i;
-        for (uint32_t k = 0; k < 3; k++) {
-            float x = (float)m.positions[3 * m.triangles[i] + k];
-            soup[3 * i + k] = x == 0 ? (i % 2 ? -0.0F : 0.0F) : x;
-        }
-    }
-    sag_mesh mesh = {.positions_f32 = soup, .triangles = corners, .vertex_count = 3 * n, .triangle_count = n};
+    float *soup;
+    uint32_t *corners;
+    const sag_mesh mesh = test_mesh_soup(&m, &soup, &corners);
     assert_true(check(&mesh).closed);
     memcpy(soup + 9, soup + 3, 3 * sizeof *soup); // triangle 1: the corners 1, 2, 0 of triangle 0
     memcpy(soup + 12, soup + 6, 3 * sizeof *soup);

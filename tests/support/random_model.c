@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "support/solid_random.h"
+#include "support/random_model.h"
 #include "shapes/shape.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +32,7 @@ static void add_part(rng *r, sag_context *context, const solid_recipe *how, soli
     if (how->nesting && rng_one_in(r, 3)) {
         solid_recipe below = *how;
         below.nesting--, below.leaves = 1 + how->leaves / 3, below.depth = 1 + how->depth / 2;
-        part->child = solid_random_make(r, context, &below);
+        part->child = random_model_make(r, context, &below);
     } else {
         for (;;) {
             closed_shape_make(r, how->size, how->lattice, &part->shape);
@@ -73,7 +73,7 @@ static uint32_t add_tree(rng *r, sag_context *context, const solid_recipe *how, 
     return used;
 }
 
-solid_model *solid_random_make(rng *r, sag_context *context, const solid_recipe *how) {
+solid_model *random_model_make(rng *r, sag_context *context, const solid_recipe *how) {
     solid_model *model = solid_model_create();
     assert_non_null(model);
     add_tree(r, context, how, model, how->depth, how->leaves);
@@ -88,7 +88,7 @@ static uint32_t part_points(rng *r, const model_part *part, sag_vec3 *points, ui
     uint32_t count = 0;
     if (part->child) {
         sag_vec3 below[SOLID_POINTS];
-        uint32_t n = solid_random_points(r, part->child, below);
+        uint32_t n = random_model_points(r, part->child, below);
         for (; count < n && count < 27; count++) found[count] = below[count];
     } else {
         sag_box3 box = sagi_shape_classes[part->shape.kind].bounds(&part->shape.as);
@@ -113,7 +113,7 @@ static uint32_t part_points(rng *r, const model_part *part, sag_vec3 *points, ui
     return kept;
 }
 
-uint32_t solid_random_points(rng *r, const solid_model *model, sag_vec3 points[SOLID_POINTS]) {
+uint32_t random_model_points(rng *r, const solid_model *model, sag_vec3 points[SOLID_POINTS]) {
     uint32_t count = 0, start = rng_below(r, model->part_count);
     for (uint32_t i = 0; i < model->part_count && count < SOLID_POINTS; i++) {
         const model_part *part = model->parts[(start + i) % model->part_count];
@@ -132,7 +132,7 @@ static sag_ray lattice_ray(rng *r, double size) {
     return sag_ray_make(sag_madd(o, -(double)rng_below(r, 5) * size, d), d);
 }
 
-sag_ray solid_random_ray(rng *r, const solid_recipe *how, const adversary *a, bool *random) {
+sag_ray random_model_ray(rng *r, const solid_recipe *how, const adversary *a, bool *random) {
     uint32_t choice = rng_below(r, how->lattice ? 4 : 2);
     *random = choice == 0;
     sag_ray ray;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Random solids, and rays to ask them.
-#ifndef TESTS_SUPPORT_SOLID_RANDOM_H
-#define TESTS_SUPPORT_SOLID_RANDOM_H
+// Random models of solids (solid_model.h), and rays to ask them.
+#ifndef TESTS_SUPPORT_RANDOM_MODEL_H
+#define TESTS_SUPPORT_RANDOM_MODEL_H
 
 #include "support/adversarial.h"
 #include "support/closed_shape.h"
@@ -17,12 +17,12 @@ typedef struct solid_recipe {
 } solid_recipe;
 
 // Finished (solid_model_finish); fails the test when the library refuses it.
-solid_model *solid_random_make(rng *r, sag_context *context, const solid_recipe *how);
+solid_model *random_model_make(rng *r, sag_context *context, const solid_recipe *how);
 
 enum { SOLID_POINTS = 64 };
 // Special points of the parts, for adversarial_ray; returns how many (at least one, at most SOLID_POINTS).
-uint32_t solid_random_points(rng *r, const solid_model *model, sag_vec3 points[SOLID_POINTS]);
+uint32_t random_model_points(rng *r, const solid_model *model, sag_vec3 points[SOLID_POINTS]);
 // A ray at it; *random says that nothing about it is special.
-sag_ray solid_random_ray(rng *r, const solid_recipe *how, const adversary *a, bool *random);
+sag_ray random_model_ray(rng *r, const solid_recipe *how, const adversary *a, bool *random);
 
 #endif
