@@ -51,9 +51,6 @@ void sagi_surface_finish_sample(sag_surface *surface, uint32_t primitive) {
     surface->side = SAG_SIDE_FRONT;
 }
 
-double sagi_next_up(double x) { return nextafter(x, INFINITY); }
-double sagi_next_down(double x) { return nextafter(x, -INFINITY); }
-
 sag_box3 sagi_box3_round_out(sag_box3 box, double ulps) {
     double e = ulps * 2 * SAGI_EPSILON;
     sag_vec3 lo = sag_abs(box.min), hi = sag_abs(box.max);

@@ -5,6 +5,7 @@
 #define SAGI_SHAPES_COMMON_H
 
 #include <sagitta/shapes.h>
+#include <string.h>
 
 #define SAGI_MAX_CROSSINGS 8
 #define SAGI_PI            3.14159265358979323846
@@ -44,9 +45,19 @@ void sagi_surface_finish(sag_surface *surface, const sag_ray *ray, const sag_hit
 // The same for a sampled point, seen from its front.
 void sagi_surface_finish_sample(sag_surface *surface, uint32_t primitive);
 
-// The next double towards ±∞ (away from x on that side); ±∞ stays. For outward rounding.
-double sagi_next_up(double x);
-double sagi_next_down(double x);
+// The next double towards +∞ as nextafter gives it, in a few instructions: the bits of positive doubles count
+// upward, those of negative ones downward. ∞ stays, and so does NaN.
+static inline double sagi_next_up(double x) {
+    uint64_t bits;
+    if (!(x < INFINITY)) return x;
+    if (x == 0) return 0x1p-1074;
+    memcpy(&bits, &x, sizeof bits);
+    bits += x > 0 ? 1 : UINT64_MAX;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+// The same towards −∞. For outward rounding.
+static inline double sagi_next_down(double x) { return -sagi_next_up(-x); }
 // The box grown by `ulps` relative roundings of each coordinate's magnitude plus one step, outward.
 sag_box3 sagi_box3_round_out(sag_box3 box, double ulps);
 

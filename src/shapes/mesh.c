@@ -11,6 +11,7 @@
 // serves.
 #include "shapes/mesh.h"
 #include "math/dd.h"
+#include "math/map.h"
 #include "shapes/common.h"
 
 static bool is_readable(const sag_mesh *s) {
@@ -123,9 +124,12 @@ void sagi_mesh_shading_normal(const sag_mesh *s, uint32_t i, double u, double v,
     const double weight[3] = {1 - u - v, u, v};
     for (int k = 0; k < 3; k++) {
         const float *n = &s->normals_f32[3 * (size_t)s->triangles[3 * (size_t)i + (size_t)k]];
-        sum = sag_madd(sum, weight[k], sag_normalize(sag_vec3_make(n[0], n[1], n[2])));
+        sag_vec3 unit = sag_vec3_make(n[0], n[1], n[2]);
+        // Most are unit already as far as floats can be.
+        if (!(fabs(sag_dot(unit, unit) - 1) <= 0x1p-20)) unit = sag_normalize(unit);
+        sum = sag_madd(sum, weight[k], unit);
     }
-    if (sag_is_finite(sum) && sag_dot(sum, sum) > 0) *normal = sag_normalize(sum);
+    if (sag_is_finite(sum) && sag_dot(sum, sum) > 0) *normal = sagi_normalize(sum);
 }
 
 // Texture coordinates at the weights u, v that the surface carries, and the derivatives by them.

@@ -34,7 +34,8 @@ static double step_away(double position, double normal, double distance) {
 // The point off the surface on the side that `direction` points to.
 static sag_vec3 offset(const sag_surface *surface, sag_vec3 direction) {
     sag_vec3 n = surface->geometric_normal;
-    double distance = fmax(sag_dot(sag_abs(n), surface->position_error) * (1 + 0x1p-50), 0x1p-500);
+    double distance = sag_dot(sag_abs(n), surface->position_error) * (1 + 0x1p-50);
+    if (!(distance > 0x1p-500)) distance = 0x1p-500;
     if (sag_dot(direction, n) < 0) n = sag_neg(n);
     return sag_vec3_make(step_away(surface->position.x, n.x, distance),
                          step_away(surface->position.y, n.y, distance),

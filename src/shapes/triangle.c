@@ -9,23 +9,30 @@
 // far off the plane (8ε S(a − o)/|n| and more, see triangle_solve.h) that the test in doubles turns its own
 // triangle away, unless that is a needle.
 #include "shapes/triangle.h"
+#include "math/map.h"
 #include "shapes/common.h"
 #include "shapes/vector_expansion.h"
 
-static double norm_max(sag_vec3 a) { return sag_max_component(sag_abs(a)); }
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double norm_max(sag_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
 
 static double length_scaled(sag_vec3 a) {
     double largest = norm_max(a);
     return largest > 0 ? largest * sag_length(sag_scale(a, 1 / largest)) : 0;
 }
 
-// In doubles n has an error below 8ε E²: good to 2⁻³⁰ and more when it is not much smaller than E². Needles
-// and tiny triangles, whose products may underflow, are done in expansions.
+// n = ab × ac in doubles has an error below 8ε E², E being the largest coordinate of an edge: good to 2⁻³⁰ and
+// more when n is not much smaller than E². Needles and tiny triangles, whose products may underflow, are
+// done in expansions.
+static inline bool cross_is_good(sag_vec3 n, double edge) {
+    double largest = norm_max(n);
+    return largest > 0x1p-20 * edge * edge && largest > 0x1p-400;
+}
+
 double sagi_triangle_normal(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c, sag_vec3 *unit) {
     sag_vec3 ab = sag_sub(*b, *a), ac = sag_sub(*c, *a), n = sag_cross(ab, ac);
-    double size = fmax(norm_max(ab), norm_max(ac)), largest = norm_max(n);
-    if (largest > 0x1p-20 * size * size && largest > 0x1p-400) {
-        *unit = sag_normalize(n);
+    if (cross_is_good(n, larger(norm_max(ab), norm_max(ac)))) {
+        *unit = sagi_normalize(n);
         return length_scaled(n);
     }
     if (!sag_is_finite(ab) || !sag_is_finite(ac)) return 0;
@@ -52,10 +59,15 @@ void sagi_triangle_point(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c
     surface->position.x = position(a->x, ab.x, ac.x, u, v, &error.x);
     surface->position.y = position(a->y, ab.y, ac.y, u, v, &error.y);
     surface->position.z = position(a->z, ab.z, ac.z, u, v, &error.z);
-    double margin = 64 * SAGI_EPSILON * fmax(norm_max(ab), norm_max(ac));
+    double edge = larger(norm_max(ab), norm_max(ac)), margin = 64 * SAGI_EPSILON * edge;
     surface->position_error = sag_add(error, sag_vec3_make(margin, margin, margin));
-    surface->geometric_normal = sag_vec3_make(0, 0, 1);
-    sagi_triangle_normal(a, b, c, &surface->geometric_normal);
+    sag_vec3 n = sag_cross(ab, ac);
+    if (cross_is_good(n, edge)) {
+        surface->geometric_normal = sagi_normalize(n);
+    } else {
+        surface->geometric_normal = sag_vec3_make(0, 0, 1);
+        sagi_triangle_normal(a, b, c, &surface->geometric_normal);
+    }
     surface->dpdu = ab;
     surface->dpdv = ac;
     surface->u = u;
