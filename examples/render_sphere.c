@@ -25,7 +25,7 @@ int main(int argc, char **argv) {
     settings->camera.fov_rad = 0.6;
     settings->film.width = 320, settings->film.height = 240;
     settings->samples_per_pixel = 16;
-    settings->sampler = SAG_SAMPLER_SOBOL;
+    settings->sampler = SAG_SAMPLER_ZSOBOL;
 
     sag_error error = {SAG_OK};
     sag_image image = {0};

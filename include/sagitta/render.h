@@ -188,11 +188,26 @@ typedef struct sag_film {
 } sag_film;
 
 /// Where the random numbers come from. Each number is a pure function of seed, pixel, sample and dimension.
+/// Test: tests/render/test_sampler.c.
 typedef enum sag_sampler_kind {
-    SAG_SAMPLER_INDEPENDENT, ///< uniform, unrelated
-    SAG_SAMPLER_STRATIFIED,  ///< one in each of samples_per_pixel strata, in every dimension (pair)
-    SAG_SAMPLER_SOBOL, ///< Owen-scrambled Sobol’ points in every dimension pair (Burley, JCGT 9(4), 2020)
+    SAG_SAMPLER_INDEPENDENT,  ///< uniform, unrelated
+    SAG_SAMPLER_STRATIFIED,   ///< one in each of samples_per_pixel strata, in every dimension (pair)
+    SAG_SAMPLER_SOBOL,        ///< the same as padded
+    SAG_SAMPLER_PADDED_SOBOL, ///< Sobol’ points in every dimension pair, of each pixel by itself (Burley,
+                              ///< JCGT 9(4), 2020)
+    SAG_SAMPLER_ZSOBOL, ///< the same, neighbouring pixels sharing out a net, so that noise is blue: what one
+                        ///< has too much of the next has too little (Ahmed & Wonka 2020)
+    SAG_SAMPLER_HALTON, ///< Halton’s sequence over 128×128 pixels
 } sag_sampler_kind;
+
+/// How low-discrepancy points are made random.
+typedef enum sag_randomization {
+    SAG_RANDOMIZATION_DEFAULT,        ///< fast Owen; Halton: permuted digits
+    SAG_RANDOMIZATION_NONE,           ///< not at all (but for the order in which samples take them)
+    SAG_RANDOMIZATION_PERMUTE_DIGITS, ///< digit by digit, for all points alike
+    SAG_RANDOMIZATION_FAST_OWEN,      ///< nested, by Laine and Karras’ hash; not for Halton
+    SAG_RANDOMIZATION_OWEN,           ///< nested, by a better and slower hash
+} sag_randomization;
 
 typedef enum sag_integrator_kind {
     SAG_INTEGRATOR_PATH,   ///< all light paths: next-event estimation, multiple importance sampling, Russian
@@ -220,7 +235,11 @@ typedef struct sag_settings {
     sag_camera camera;
     sag_film film;
     sag_sampler_kind sampler;
-    uint32_t samples_per_pixel;
+    sag_randomization randomization;
+    uint32_t samples_per_pixel;  ///< 1 … 2³¹
+    uint32_t strata_x, strata_y; ///< stratified: the strata of a pair, where their product is
+                                 ///< samples_per_pixel; else the most nearly square grid
+    bool no_jitter;              ///< stratified: in the middle of each stratum
     uint64_t seed;
     sag_integrator_kind integrator;
     uint32_t max_depth;    ///< bounces; 0: only what shines by itself

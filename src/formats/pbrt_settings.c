@@ -18,7 +18,7 @@ void sagi_pbrt_default_settings(sagi_pbrt *p) {
     settings->film.filter = SAG_FILTER_GAUSSIAN;
     settings->film.filter_radius_x = settings->film.filter_radius_y = 1.5;
     settings->film.filter_sigma = 0.5;
-    settings->sampler = SAG_SAMPLER_SOBOL;
+    settings->sampler = SAG_SAMPLER_ZSOBOL;
     settings->samples_per_pixel = 16;
     settings->integrator = SAG_INTEGRATOR_PATH;
     settings->max_depth = 5;
@@ -129,35 +129,63 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
     return sagi_pbrt_parameters_done(p);
 }
 
+static void read_randomization(sagi_params *params, sag_settings *settings) {
+    static const char *const names[] = {"", "none", "permutedigits", "fastowen", "owen"}; // as the enum
+    char name[32];
+    sagi_params_string(params, "randomization", "", name, sizeof name);
+    size_t i = 0;
+    while (i < sizeof names / sizeof *names && strcmp(name, names[i]) != 0) i++;
+    if (i == sizeof names / sizeof *names || (i == 3 && settings->sampler == SAG_SAMPLER_HALTON)) {
+        sagi_params_fail(params, sagi_params_find(params, "randomization", ~0u),
+                         "unknown randomization \"%s\" for this sampler", name);
+        return;
+    }
+    settings->randomization = (sag_randomization)i;
+}
+
 sag_status sagi_pbrt_sampler(sagi_pbrt *p, sagi_place place) {
     char name[64];
     const sag_status status = read_named(p, place, "Sampler", name, sizeof name);
     if (status != SAG_OK || p->options->geometry_only) return status;
-    static const char *const sobol[] = {"sobol",   "zsobol",     "paddedsobol",   "halton",
-                                        "pmj02bn", "02sequence", "lowdiscrepancy"};
+    static const struct {
+        const char *name;
+        sag_sampler_kind kind;
+    } kinds[] = {
+        {"zsobol", SAG_SAMPLER_ZSOBOL},
+        {"paddedsobol", SAG_SAMPLER_PADDED_SOBOL},
+        {"sobol", SAG_SAMPLER_SOBOL},
+        {"halton", SAG_SAMPLER_HALTON},
+        {"stratified", SAG_SAMPLER_STRATIFIED},
+        {"independent", SAG_SAMPLER_INDEPENDENT},
+        {"pmj02bn", SAG_SAMPLER_ZSOBOL},
+        {"02sequence", SAG_SAMPLER_PADDED_SOBOL}, // pbrt-v3's
+        {"lowdiscrepancy", SAG_SAMPLER_PADDED_SOBOL},
+    };
+    const size_t kind_count = sizeof kinds / sizeof *kinds;
     sagi_params *params = &p->params;
     sag_settings *settings = sag_world_settings(p->world);
-    int64_t samples;
-    bool known = true;
-    if (strcmp(name, "stratified") == 0) {
-        settings->sampler = SAG_SAMPLER_STRATIFIED;
-        samples =
-            (int64_t)sagi_params_integer(params, "xsamples", 4) * sagi_params_integer(params, "ysamples", 4);
-        sagi_pbrt_ignore(p, "jitter", NULL);
-    } else {
-        known = strcmp(name, "independent") == 0;
-        settings->sampler = known ? SAG_SAMPLER_INDEPENDENT : SAG_SAMPLER_SOBOL;
-        for (size_t i = 0; i < sizeof sobol / sizeof *sobol; i++)
-            known = known || strcmp(name, sobol[i]) == 0;
-        samples = 16;
+    size_t kind = 0;
+    while (kind < kind_count && strcmp(name, kinds[kind].name) != 0) kind++;
+    if (kind == kind_count) return unknown(p, place, "sampler", name);
+    settings->sampler = kinds[kind].kind;
+    if (strcmp(name, "pmj02bn") == 0)
+        sagi_pbrt_warn(p, place, "Sampler \"pmj02bn\" is not supported: \"zsobol\" takes its place");
+    int64_t samples = settings->sampler == SAG_SAMPLER_INDEPENDENT ? 4 : 16;
+    settings->strata_x = settings->strata_y = 0;
+    settings->no_jitter = false;
+    if (settings->sampler == SAG_SAMPLER_STRATIFIED) {
+        const int32_t x = sagi_params_integer(params, "xsamples", 4);
+        const int32_t y = sagi_params_integer(params, "ysamples", 4);
+        samples = x > 0 && y > 0 ? (int64_t)x * y : 0;
+        if (samples > 0) settings->strata_x = (uint32_t)x, settings->strata_y = (uint32_t)y;
+        settings->no_jitter = !sagi_params_bool(params, "jitter", true);
     }
     samples =
         sagi_params_integer(params, "pixelsamples", (int32_t)(samples > INT32_MAX ? INT32_MAX : samples));
-    if (!known) return unknown(p, place, "sampler", name);
     if (samples < 1) return sagi_params_fail(params, NULL, "%lld samples in a pixel", (long long)samples);
     settings->samples_per_pixel = (uint32_t)samples;
     settings->seed = (uint64_t)sagi_params_integer(params, "seed", 0);
-    sagi_pbrt_ignore(p, "randomization", NULL);
+    read_randomization(params, settings);
     return sagi_pbrt_parameters_done(p);
 }
 

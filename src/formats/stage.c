@@ -111,7 +111,7 @@ static sag_status set_stage(sag_world *world, const char *path, sag_box3 box, sa
         return sag_error_set_at(error, SAG_ERROR_MEMORY, path, 0, 0, "out of memory");
     sag_settings *settings = sag_world_settings(world);
     place_camera(&settings->camera, &box);
-    settings->sampler = SAG_SAMPLER_SOBOL;
+    settings->sampler = SAG_SAMPLER_ZSOBOL;
     settings->film.filter = SAG_FILTER_GAUSSIAN;
     settings->film.filter_radius_x = settings->film.filter_radius_y = 1.5;
     settings->film.filter_sigma = 0.5;

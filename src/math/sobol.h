@@ -13,19 +13,27 @@
 
 // The first dimension is the index reversed.
 static inline uint32_t sagi_reverse_bits(uint32_t x) {
-    x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    x = __builtin_bswap32(x);
     x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
-    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
-    return x << 16 | x >> 16;
+    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+}
+static inline uint64_t sagi_reverse_bits64(uint64_t x) {
+    x = __builtin_bswap64(x);
+    x = (x & UINT64_C(0x0F0F0F0F0F0F0F0F)) << 4 | (x >> 4 & UINT64_C(0x0F0F0F0F0F0F0F0F));
+    x = (x & UINT64_C(0x3333333333333333)) << 2 | (x >> 2 & UINT64_C(0x3333333333333333));
+    return (x & UINT64_C(0x5555555555555555)) << 1 | (x >> 1 & UINT64_C(0x5555555555555555));
 }
 
-// The second; its direction numbers are 2³¹ and each from the one before by x ^ x/2.
-static inline uint32_t sagi_sobol_second(uint32_t index) {
-    uint32_t result = 0;
-    for (uint32_t direction = 0x80000000u; index; index >>= 1, direction ^= direction >> 1)
-        if (index & 1) result ^= direction;
-    return result;
+// The second dimension, reversed. Its matrix is Pascal's triangle modulo 2: bit i (from the top) of the
+// number is the sum of the index's bits j with C(j, i) odd, which by Lucas' theorem are those where j has all
+// of i's ones. Such sums over supersets are had in one step for each of the five bits of j.
+static inline uint32_t sagi_sobol_second_reversed(uint32_t index) {
+    index ^= index >> 1 & 0x55555555u;
+    index ^= index >> 2 & 0x33333333u;
+    index ^= index >> 4 & 0x0F0F0F0Fu;
+    index ^= index >> 8 & 0x00FF00FFu;
+    return index ^ index >> 16;
 }
 
 // Owen's scramble of a number whose bits stand in reverse, as result and argument do: each bit changes by

@@ -30,8 +30,8 @@ sag_vec2 sagi_measure_point(uint64_t key, uint64_t index) {
     const uint32_t i = (uint32_t)index;
     // The first dimension is the reversed index, and its scramble wants the reverse of that.
     const uint32_t x = sagi_reverse_bits(sagi_scramble_reversed(i, (uint32_t)seeds));
-    const uint32_t y = sagi_reverse_bits(
-        sagi_scramble_reversed(sagi_reverse_bits(sagi_sobol_second(i)), (uint32_t)(seeds >> 32)));
+    const uint32_t y =
+        sagi_reverse_bits(sagi_scramble_reversed(sagi_sobol_second_reversed(i), (uint32_t)(seeds >> 32)));
     return (sag_vec2){coordinate(x, (uint32_t)shifts, random),
                       coordinate(y, (uint32_t)(shifts >> 32), random >> 20)};
 }

@@ -17,6 +17,7 @@ struct sag_render {
     sag_settings settings;
     sagi_camera camera;
     sagi_filter filter;
+    sagi_sampler_plan sampler_plan;
     sagi_sampler sampler; // as it stands before the first pixel
     sagi_lights lights;
     bool see_through; // some geometry has alpha or an interface material: rays may have to go on

@@ -64,11 +64,9 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     const sag_film *film = &render->settings.film;
     status = sagi_camera_init(&render->camera, &render->settings.camera, film->width, film->height, error);
     if (status == SAG_OK) status = sagi_filter_init(&render->filter, film, error);
+    if (status == SAG_OK) status = sagi_sampler_plan_init(&render->sampler_plan, &render->settings, error);
     if (status != SAG_OK) return status;
-    if (render->settings.samples_per_pixel == 0)
-        return sag_error_set(error, SAG_ERROR_ARGUMENT, "samples_per_pixel is 0");
-    sagi_sampler_init(&render->sampler, render->settings.sampler, render->settings.seed,
-                      render->settings.samples_per_pixel);
+    render->sampler.plan = &render->sampler_plan;
     render->width = film->width;
     render->height = film->height;
     render->tiles_x = (film->width + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;

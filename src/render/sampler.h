@@ -8,37 +8,58 @@
 #include "math/sobol.h"
 #include <sagitta/render.h>
 
-typedef struct sagi_sampler {
+// Dimensions whose seeds are kept at hand.
+#define SAGI_SEEDED_DIMENSIONS 64u
+
+// What is the same for all pixels.
+typedef struct sagi_sampler_plan {
     sag_sampler_kind kind;
+    sag_randomization randomization; // never SAG_RANDOMIZATION_DEFAULT
+    bool jitter;
     uint32_t count;            // samples per pixel
     uint32_t x_count, y_count; // strata of a pair; their product is count
-    uint32_t index_mask;       // Sobol': the least 2ᵏ − 1 ≥ count − 1
+    uint32_t index_mask;       // the least 2ᵏ − 1 ≥ count − 1
+    uint32_t sample_bits;      // k
+    uint64_t digit_mask;       // Z-order: the upper bit of each whole digit of the reversed code
     uint64_t seed;
-    uint64_t key;       // of seed and pixel
+    uint64_t seeds[SAGI_SEEDED_DIMENSIONS];
+} sagi_sampler_plan;
+
+typedef struct sagi_sampler {
+    const sagi_sampler_plan *plan;
+    uint64_t key;       // of the pixel: a hash; Z-order: where it stands; Halton: its first sample's index
+    uint64_t index;     // of the sample among the sequence's points
     uint32_t sample;    // of this pixel
-    uint32_t dimension; // of this sample: counts the calls
+    uint32_t dimension; // of this sample: counts the calls (Halton: the numbers)
 } sagi_sampler;
 
-static inline void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
-    sampler->key = sagi_mix(sampler->seed ^ sagi_mix((uint64_t)y << 32 | x));
-}
-static inline void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample) {
-    sampler->sample = sample;
-    sampler->dimension = 0;
-}
+// The part that is the same for all pixels. SAG_ERROR_ARGUMENT for no samples at all, more than 2³¹, or a
+// sampler that cannot be randomized as asked. *plan outlives the samplers that use it.
+sag_status sagi_sampler_plan_init(sagi_sampler_plan *plan, const sag_settings *settings, sag_error *error);
+void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y);
+void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample);
 
-// 64 random bits for this pixel, sample and dimension.
+// 64 random bits for this pixel, sample and dimension, of the samplers whose key is a hash.
 static inline uint64_t sagi_sampler_bits(const sagi_sampler *sampler) {
     uint64_t counter = (uint64_t)sampler->sample << 32 | sampler->dimension;
     return sagi_mix(sampler->key + counter * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-// The part that is the same for all pixels. count > 0.
-void sagi_sampler_init(sagi_sampler *sampler, sag_sampler_kind kind, uint64_t seed, uint32_t count);
 // One number, and a pair, in [0, 1).
 double sagi_sampler_1d(sagi_sampler *sampler);
 sag_vec2 sagi_sampler_2d(sagi_sampler *sampler);
+// The pair that chooses the point of the pixel: once in a sample.
+sag_vec2 sagi_sampler_pixel(sagi_sampler *sampler);
 // Where `index` goes in the pseudo-random permutation of [0, count) that `seed` names.
 uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed);
+
+// Halton's points (halton.c): the index of the first sample of a pixel (in the lowest bits, the pixel's tile
+// above), the point within the pixel that an index has, and its number in any later dimension.
+uint64_t sagi_halton_first(uint32_t x, uint32_t y);
+sag_vec2 sagi_halton_pixel(uint64_t index);
+double sagi_halton_number(const sagi_sampler *sampler, uint32_t dimension);
+// Indices of a pixel's samples are this far apart; the first is smaller and has so many bits.
+#define SAGI_HALTON_STRIDE UINT64_C(31104)
+#define SAGI_HALTON_BITS   15
 
 #endif

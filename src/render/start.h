@@ -8,8 +8,7 @@
 #include "job.h"
 #include "math/map.h"
 
-static inline sag_vec2 sagi_next_2d(sagi_sampler *sampler) {
-    if (sampler->kind != SAG_SAMPLER_INDEPENDENT) return sagi_sampler_2d(sampler);
+static inline sag_vec2 sagi_independent_2d(sagi_sampler *sampler) {
     const uint64_t random = sagi_sampler_bits(sampler);
     sampler->dimension++;
     return (sag_vec2){(double)(random >> 32) * 0x1p-32, (double)(random & 0xFFFFFFFFu) * 0x1p-32};
@@ -25,8 +24,16 @@ static inline sag_vec2 sagi_filter_offset(const sagi_filter *filter, sag_vec2 u)
 static inline void sagi_camera_sample(const sag_render *render, sagi_sampler *sampler, uint32_t x, uint32_t y,
                                       uint32_t sample, sag_ray *ray) {
     const sagi_camera *camera = &render->camera;
-    sagi_sampler_start_sample(sampler, sample);
-    const sag_vec2 offset = sagi_filter_offset(&render->filter, sagi_next_2d(sampler));
+    sag_vec2 u;
+    if (sampler->plan->kind == SAG_SAMPLER_INDEPENDENT) {
+        sampler->sample = sample;
+        sampler->dimension = 0;
+        u = sagi_independent_2d(sampler);
+    } else {
+        sagi_sampler_start_sample(sampler, sample);
+        u = sagi_sampler_pixel(sampler);
+    }
+    const sag_vec2 offset = sagi_filter_offset(&render->filter, u);
     const double film_x = x + 0.5 + offset.x, film_y = y + 0.5 + offset.y;
     if (camera->pinhole) {
         const double on_film[2] = {camera->x_min + film_x * camera->x_per_pixel,
@@ -38,7 +45,7 @@ static inline void sagi_camera_sample(const sag_render *render, sagi_sampler *sa
         ray->t_min = 0, ray->t_max = INFINITY;
     } else {
         sag_vec2 lens = {0, 0};
-        if (sagi_camera_has_lens(camera)) lens = sagi_next_2d(sampler);
+        if (sagi_camera_has_lens(camera)) lens = sagi_sampler_2d(sampler);
         *ray = sagi_camera_ray(camera, film_x, film_y, lens);
     }
     ray->mask = SAG_RAY_CAMERA;

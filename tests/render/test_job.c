@@ -29,8 +29,9 @@ static void furnish(studio *s) {
 
 static void threads_do_not_matter(void **state) {
     (void)state;
-    const sag_sampler_kind samplers[] = {SAG_SAMPLER_INDEPENDENT, SAG_SAMPLER_STRATIFIED, SAG_SAMPLER_SOBOL};
-    for (int k = 0; k < 3; k++) {
+    const sag_sampler_kind samplers[] = {SAG_SAMPLER_INDEPENDENT, SAG_SAMPLER_STRATIFIED,
+                                         SAG_SAMPLER_PADDED_SOBOL, SAG_SAMPLER_ZSOBOL, SAG_SAMPLER_HALTON};
+    for (int k = 0; k < 5; k++) {
         const uint32_t threads[] = {1, 2, 7};
         studio s[3];
         sag_image images[3];

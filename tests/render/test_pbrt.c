@@ -71,7 +71,7 @@ static void test_settings(void **state) {
     assert_true(s->film.width == 320 && s->film.height == 200 && s->film.filter == SAG_FILTER_BOX);
     assert_true(s->film.filter_radius_x == 1 && s->film.filter_radius_y == 0.5);
     assert_string_equal(s->film.file, "a.exr");
-    assert_true(s->samples_per_pixel == 33 && s->sampler == SAG_SAMPLER_SOBOL && s->max_depth == 9);
+    assert_true(s->samples_per_pixel == 33 && s->sampler == SAG_SAMPLER_HALTON && s->max_depth == 9);
     assert_true(s->camera.kind == SAG_CAMERA_ORTHOGRAPHIC && s->camera.screen_window[0] == -2);
     const sag_vec3 eye = sag_affine_point(&s->camera.to_world, sag_vec3_make(0, 0, 0));
     const sag_vec3 ahead = sag_affine_point(&s->camera.to_world, sag_vec3_make(0, 0, 1));

@@ -16,7 +16,35 @@
 
 #define BINS 16
 
-static const sag_sampler_kind kinds[] = {SAG_SAMPLER_INDEPENDENT, SAG_SAMPLER_STRATIFIED, SAG_SAMPLER_SOBOL};
+// Every sampler with every way to randomize it that leaves nothing regular.
+static const struct {
+    sag_sampler_kind kind;
+    sag_randomization way;
+} kinds[] = {
+    {SAG_SAMPLER_INDEPENDENT, SAG_RANDOMIZATION_DEFAULT},
+    {SAG_SAMPLER_STRATIFIED, SAG_RANDOMIZATION_DEFAULT},
+    {SAG_SAMPLER_SOBOL, SAG_RANDOMIZATION_DEFAULT},
+    {SAG_SAMPLER_PADDED_SOBOL, SAG_RANDOMIZATION_FAST_OWEN},
+    {SAG_SAMPLER_PADDED_SOBOL, SAG_RANDOMIZATION_OWEN},
+    {SAG_SAMPLER_PADDED_SOBOL, SAG_RANDOMIZATION_PERMUTE_DIGITS},
+    {SAG_SAMPLER_ZSOBOL, SAG_RANDOMIZATION_FAST_OWEN},
+    {SAG_SAMPLER_ZSOBOL, SAG_RANDOMIZATION_OWEN},
+    {SAG_SAMPLER_HALTON, SAG_RANDOMIZATION_PERMUTE_DIGITS},
+    {SAG_SAMPLER_HALTON, SAG_RANDOMIZATION_OWEN},
+};
+#define KINDS (sizeof kinds / sizeof *kinds)
+
+static sagi_sampler make_way(sagi_sampler_plan *plan, sag_sampler_kind kind, sag_randomization way,
+                             uint64_t seed, uint32_t count) {
+    const sag_settings settings = {
+        .sampler = kind, .randomization = way, .seed = seed, .samples_per_pixel = count};
+    assert_int_equal(sagi_sampler_plan_init(plan, &settings, NULL), SAG_OK);
+    return (sagi_sampler){.plan = plan};
+}
+
+static sagi_sampler make(sagi_sampler_plan *plan, sag_sampler_kind kind, uint64_t seed, uint32_t count) {
+    return make_way(plan, kind, SAG_RANDOMIZATION_DEFAULT, seed, count);
+}
 
 // χ² of counts that should be equal; for n − 1 degrees of freedom its mean is n − 1, its deviation √(2(n −
 // 1)).
@@ -29,9 +57,9 @@ static double chi_squared_excess(const uint32_t *counts, size_t n) {
 
 static void numbers_are_uniform(void **state) {
     (void)state;
-    for (int k = 0; k < 3; k++) {
-        sagi_sampler sampler;
-        sagi_sampler_init(&sampler, kinds[k], 7, 16);
+    for (size_t k = 0; k < KINDS; k++) {
+        sagi_sampler_plan plan;
+        sagi_sampler sampler = make_way(&plan, kinds[k].kind, kinds[k].way, 7, 16);
         uint32_t one[BINS] = {0}, two[BINS * BINS] = {0}, mixed[BINS * BINS] = {0};
         for (uint32_t pixel = 0; pixel < 2000; pixel++) {
             sagi_sampler_start_pixel(&sampler, pixel % 50, pixel / 50);
@@ -55,9 +83,9 @@ static void numbers_are_uniform(void **state) {
 // Within a pixel every pair of dimensions is spread over the unit square without relation to another pair.
 static void dimensions_of_one_pixel_are_unrelated(void **state) {
     (void)state;
-    for (int k = 0; k < 3; k++) {
-        sagi_sampler sampler;
-        sagi_sampler_init(&sampler, kinds[k], 3, 4096);
+    for (size_t k = 0; k < KINDS; k++) {
+        sagi_sampler_plan plan;
+        sagi_sampler sampler = make_way(&plan, kinds[k].kind, kinds[k].way, 3, 4096);
         sagi_sampler_start_pixel(&sampler, 5, 9);
         uint32_t counts[4][BINS * BINS] = {{0}};
         for (uint32_t i = 0; i < 4096; i++) {
@@ -78,9 +106,9 @@ static void strata_have_one_sample_each(void **state) {
     const uint32_t sizes[] = {1, 2, 7, 12, 16, 64, 100};
     for (int s = 0; s < 7; s++) {
         uint32_t count = sizes[s];
-        sagi_sampler sampler;
-        sagi_sampler_init(&sampler, SAG_SAMPLER_STRATIFIED, 11, count);
-        assert_int_equal(sampler.x_count * sampler.y_count, count);
+        sagi_sampler_plan plan;
+        sagi_sampler sampler = make(&plan, SAG_SAMPLER_STRATIFIED, 11, count);
+        assert_int_equal(plan.x_count * plan.y_count, count);
         for (uint32_t pixel = 0; pixel < 20; pixel++) {
             uint32_t one[100] = {0}, two[100] = {0};
             sagi_sampler_start_pixel(&sampler, pixel, 3);
@@ -88,47 +116,230 @@ static void strata_have_one_sample_each(void **state) {
                 sagi_sampler_start_sample(&sampler, i);
                 one[(uint32_t)(sagi_sampler_1d(&sampler) * count)]++;
                 sag_vec2 p = sagi_sampler_2d(&sampler);
-                two[(uint32_t)(p.y * sampler.y_count) * sampler.x_count +
-                    (uint32_t)(p.x * sampler.x_count)]++;
+                two[(uint32_t)(p.y * plan.y_count) * plan.x_count + (uint32_t)(p.x * plan.x_count)]++;
             }
             for (uint32_t i = 0; i < count; i++) assert_true(one[i] == 1 && two[i] == 1);
         }
     }
 }
 
-// 2ᵏ Sobol' points lie one in each box 2⁻ᵃ × 2⁻ᵇ, a + b = k, whatever a.
-static void sobol_points_fill_every_elementary_box(void **state) {
-    (void)state;
-    const uint32_t k = 6, count = 1u << k;
-    sagi_sampler sampler;
-    sagi_sampler_init(&sampler, SAG_SAMPLER_SOBOL, 1, count);
-    for (uint32_t pixel = 0; pixel < 20; pixel++) {
-        sag_vec2 points[64];
-        double numbers[64];
-        sagi_sampler_start_pixel(&sampler, pixel, 1);
-        for (uint32_t i = 0; i < count; i++) {
-            sagi_sampler_start_sample(&sampler, i);
-            numbers[i] = sagi_sampler_1d(&sampler);
-            points[i] = sagi_sampler_2d(&sampler);
-        }
-        for (uint32_t a = 0; a <= k; a++) {
-            uint32_t nx = 1u << a, ny = 1u << (k - a), counts[64] = {0};
-            for (uint32_t i = 0; i < count; i++)
-                counts[(uint32_t)(points[i].y * ny) * nx + (uint32_t)(points[i].x * nx)]++;
-            for (uint32_t i = 0; i < count; i++) assert_int_equal(counts[i], 1);
-        }
-        uint32_t counts[64] = {0};
-        for (uint32_t i = 0; i < count; i++) counts[(uint32_t)(numbers[i] * count)]++;
+// Whether 2ᵏ points lie one in each box 2⁻ᵃ × 2⁻ᵇ, a + b = k, whatever a; k ≤ 8.
+static void assert_net(const sag_vec2 *points, uint32_t k) {
+    const uint32_t count = 1u << k;
+    for (uint32_t a = 0; a <= k; a++) {
+        const uint32_t nx = 1u << a, ny = 1u << (k - a);
+        uint32_t counts[256] = {0};
+        for (uint32_t i = 0; i < count; i++)
+            counts[(uint32_t)(points[i].y * ny) * nx + (uint32_t)(points[i].x * nx)]++;
         for (uint32_t i = 0; i < count; i++) assert_int_equal(counts[i], 1);
     }
 }
 
+static void sobol_points_fill_every_elementary_box(void **state) {
+    (void)state;
+    const sag_sampler_kind sobol[] = {SAG_SAMPLER_SOBOL, SAG_SAMPLER_PADDED_SOBOL, SAG_SAMPLER_ZSOBOL};
+    for (int s = 0; s < 3; s++) {
+        for (sag_randomization way = SAG_RANDOMIZATION_NONE; way <= SAG_RANDOMIZATION_OWEN; way++) {
+            for (uint32_t k = 0; k <= 7; k++) {
+                sagi_sampler_plan plan;
+                sagi_sampler sampler = make_way(&plan, sobol[s], way, 1, 1u << k);
+                for (uint32_t pixel = 0; pixel < 20; pixel++) {
+                    sag_vec2 points[128], later[128];
+                    uint32_t counts[128] = {0};
+                    sagi_sampler_start_pixel(&sampler, 517 * pixel, 40000 - pixel);
+                    for (uint32_t i = 0; i < 1u << k; i++) {
+                        sagi_sampler_start_sample(&sampler, i);
+                        points[i] = sagi_sampler_pixel(&sampler);
+                        counts[(uint32_t)(sagi_sampler_1d(&sampler) * (1u << k))]++;
+                        sampler.dimension = 100 + pixel;
+                        later[i] = sagi_sampler_2d(&sampler);
+                    }
+                    assert_net(points, k);
+                    assert_net(later, k);
+                    for (uint32_t i = 0; i < 1u << k; i++) assert_int_equal(counts[i], 1);
+                }
+            }
+        }
+    }
+}
+
+// Samples come in an order whose first 4ᵏ are a net too, so that a render that is stopped is a good one of
+// fewer samples; and 3 of every 4 samples are of no use as a count, but work.
+static void first_samples_are_a_net_too(void **state) {
+    (void)state;
+    const sag_sampler_kind sobol[] = {SAG_SAMPLER_PADDED_SOBOL, SAG_SAMPLER_ZSOBOL};
+    const uint32_t counts[] = {64, 96, 128, 1000};
+    for (int s = 0; s < 2; s++) {
+        for (int c = 0; c < 4; c++) {
+            sagi_sampler_plan plan;
+            sagi_sampler sampler = make(&plan, sobol[s], 5, counts[c]);
+            // The digits of base 4 count from the pixel's: those of a sample's number are whole from the top.
+            const uint32_t k = plan.sample_bits & 1 ? 5 : 6;
+            for (uint32_t pixel = 0; pixel < 50; pixel++) {
+                sag_vec2 points[64];
+                sagi_sampler_start_pixel(&sampler, pixel, 77);
+                for (uint32_t i = 0; i < 1u << k; i++) {
+                    sagi_sampler_start_sample(&sampler, i);
+                    points[i] = sagi_sampler_2d(&sampler);
+                }
+                assert_net(points, k);
+            }
+        }
+    }
+}
+
+// What makes the noise blue: the samples of 2ᵏ×2ᵏ neighbours together are a net.
+static void neighbours_share_a_net(void **state) {
+    (void)state;
+    sagi_sampler_plan plan;
+    for (uint32_t k = 0; k <= 3; k++) {
+        sagi_sampler sampler = make(&plan, SAG_SAMPLER_ZSOBOL, 9, 4);
+        for (uint32_t block = 0; block < 30; block++) {
+            sag_vec2 points[256], later[256];
+            uint32_t n = 0;
+            for (uint32_t y = 0; y < 1u << k; y++)
+                for (uint32_t x = 0; x < 1u << k; x++)
+                    for (uint32_t i = 0; i < 4; i++, n++) {
+                        sagi_sampler_start_pixel(&sampler, (block << k) + x, (3 * block << k) + y);
+                        sagi_sampler_start_sample(&sampler, i);
+                        points[n] = sagi_sampler_2d(&sampler);
+                        later[n] = sagi_sampler_2d(&sampler);
+                    }
+            assert_net(points, 2 * k + 2);
+            assert_net(later, 2 * k + 2);
+        }
+    }
+}
+
+// The order in which four pixels, and one pixel's four samples, take the four quarters of a number: all 24
+// come up about equally often, so that no direction is preferred.
+static void all_orders_of_four_come_up(void **state) {
+    (void)state;
+    sagi_sampler_plan plan;
+    uint32_t counts[2][256] = {{0}}, present[2][24];
+    for (uint32_t seed = 0; seed < 200; seed++) {
+        sagi_sampler sampler = make(&plan, SAG_SAMPLER_ZSOBOL, seed, 1);
+        sagi_sampler_plan four;
+        sagi_sampler samples = make(&four, SAG_SAMPLER_ZSOBOL, seed, 4);
+        for (uint32_t block = 0; block < 120; block++) {
+            uint32_t order = 0, inner = 0;
+            for (uint32_t i = 0; i < 4; i++) {
+                sagi_sampler_start_pixel(&sampler, 2 * block + (i & 1), 2 * (block % 7) + (i >> 1));
+                sagi_sampler_start_sample(&sampler, 0);
+                sampler.dimension = 3;
+                order = order << 2 | (uint32_t)(4 * sagi_sampler_1d(&sampler));
+                sagi_sampler_start_pixel(&samples, block, 11);
+                sagi_sampler_start_sample(&samples, i);
+                samples.dimension = 2;
+                inner = inner << 2 | (uint32_t)(4 * sagi_sampler_1d(&samples));
+            }
+            counts[0][order]++, counts[1][inner]++;
+        }
+    }
+    for (int j = 0; j < 2; j++) {
+        uint32_t n = 0;
+        for (uint32_t i = 0; i < 256; i++) {
+            if (counts[j][i] == 0) continue;
+            assert_true(n < 24);
+            present[j][n++] = counts[j][i];
+        }
+        assert_int_equal(n, 24);
+        for (uint32_t i = 0; i < 24; i++) assert_true(present[j][i] > 600 && present[j][i] < 1400);
+    }
+}
+
+// Which cell of 2⁷ × 3⁵ a point of Halton's lies in decides whose it is: a pixel's film points, put back into
+// its cell, are the sequence's own.
+static void halton_points_come_down_in_their_pixels(void **state) {
+    (void)state;
+    sagi_sampler_plan plan;
+    sagi_sampler sampler = make_way(&plan, SAG_SAMPLER_HALTON, SAG_RANDOMIZATION_NONE, 0, 16);
+    for (uint32_t n = 0; n < 2000; n++) {
+        double base2 = 0, base3 = 0, scale = 1;
+        uint32_t rest = n;
+        for (scale = 0.5; rest; rest /= 2, scale /= 2) base2 += (rest % 2) * scale;
+        rest = n;
+        for (scale = 1.0 / 3; rest; rest /= 3, scale /= 3) base3 += (rest % 3) * scale;
+        const uint32_t x = (uint32_t)(base2 * 128), y = (uint32_t)(base3 * 243 + 1e-9);
+        if (y >= 128) continue;
+        sagi_sampler_start_pixel(&sampler, x, y);
+        sagi_sampler_start_sample(&sampler, 0);
+        assert_int_equal(sampler.index, n);
+        const sag_vec2 within = sagi_sampler_pixel(&sampler);
+        assert_true(fabs(within.x - (base2 * 128 - x)) < 1e-9);
+        assert_true(fabs(within.y - (base3 * 243 - y)) < 1e-9);
+        // The next dimension is base 5.
+        double base5 = 0;
+        rest = n;
+        for (scale = 0.2; rest; rest /= 5, scale /= 5) base5 += (rest % 5) * scale;
+        assert_true(fabs(sagi_sampler_1d(&sampler) - base5) < 1e-9);
+    }
+}
+
+// 5ᵏ consecutive points have one number in each interval of 5⁻ᵏ, permuted or not.
+static void halton_numbers_fill_every_interval(void **state) {
+    (void)state;
+    for (sag_randomization way = SAG_RANDOMIZATION_NONE; way <= SAG_RANDOMIZATION_OWEN; way++) {
+        if (way == SAG_RANDOMIZATION_FAST_OWEN) continue;
+        sagi_sampler_plan plan;
+        sagi_sampler sampler = make_way(&plan, SAG_SAMPLER_HALTON, way, 4, 125);
+        sagi_sampler_start_pixel(&sampler, 200, 300);
+        uint32_t five[125] = {0}, seven[49] = {0};
+        for (uint32_t i = 0; i < 125; i++) {
+            sagi_sampler_start_sample(&sampler, i);
+            const sag_vec2 p = sagi_sampler_2d(&sampler);
+            five[(uint32_t)(p.x * 125 + 1e-7)]++;
+            if (i < 49) seven[(uint32_t)(p.y * 49 + 1e-7)]++;
+        }
+        for (int i = 0; i < 125; i++) assert_int_equal(five[i], 1);
+        for (int i = 0; i < 49; i++) assert_int_equal(seven[i], 1);
+    }
+}
+
+static void strata_are_as_asked(void **state) {
+    (void)state;
+    sag_settings settings = {.sampler = SAG_SAMPLER_STRATIFIED,
+                             .samples_per_pixel = 10,
+                             .strata_x = 5,
+                             .strata_y = 2,
+                             .no_jitter = true};
+    sagi_sampler_plan plan;
+    assert_int_equal(sagi_sampler_plan_init(&plan, &settings, NULL), SAG_OK);
+    sagi_sampler sampler = {.plan = &plan};
+    sagi_sampler_start_pixel(&sampler, 1, 2);
+    uint32_t counts[10] = {0};
+    for (uint32_t i = 0; i < 10; i++) {
+        sagi_sampler_start_sample(&sampler, i);
+        const sag_vec2 p = sagi_sampler_2d(&sampler);
+        const double x = p.x * 5 - 0.5, y = p.y * 2 - 0.5;
+        assert_true(fabs(x - round(x)) < 1e-12 && fabs(y - round(y)) < 1e-12);
+        counts[(int)(round(x) + 5 * round(y))]++;
+    }
+    for (int i = 0; i < 10; i++) assert_int_equal(counts[i], 1);
+    settings.samples_per_pixel = 12; // they no longer fit
+    assert_int_equal(sagi_sampler_plan_init(&plan, &settings, NULL), SAG_OK);
+    assert_true(plan.x_count == 3 && plan.y_count == 4);
+}
+
+static void impossible_samplers_are_errors(void **state) {
+    (void)state;
+    sagi_sampler_plan plan;
+    sag_settings settings = {.samples_per_pixel = 0};
+    assert_int_equal(sagi_sampler_plan_init(&plan, &settings, NULL), SAG_ERROR_ARGUMENT);
+    settings.samples_per_pixel = UINT32_MAX;
+    assert_int_equal(sagi_sampler_plan_init(&plan, &settings, NULL), SAG_ERROR_ARGUMENT);
+    settings.samples_per_pixel = UINT32_C(1) << 31;
+    assert_int_equal(sagi_sampler_plan_init(&plan, &settings, NULL), SAG_OK);
+    settings.sampler = SAG_SAMPLER_HALTON;
+    settings.randomization = SAG_RANDOMIZATION_FAST_OWEN;
+    assert_int_equal(sagi_sampler_plan_init(&plan, &settings, NULL), SAG_ERROR_ARGUMENT);
+}
+
 static void numbers_are_a_function_of_their_place(void **state) {
     (void)state;
-    for (int k = 0; k < 3; k++) {
-        sagi_sampler a, b;
-        sagi_sampler_init(&a, kinds[k], 42, 9);
-        sagi_sampler_init(&b, kinds[k], 42, 9);
+    for (size_t k = 0; k < KINDS; k++) {
+        sagi_sampler_plan plan;
+        sagi_sampler a = make_way(&plan, kinds[k].kind, kinds[k].way, 42, 9), b = a;
         sagi_sampler_start_pixel(&b, 100, 200);
         sagi_sampler_start_sample(&b, 8);
         sagi_sampler_1d(&b);
@@ -245,7 +456,14 @@ int main(void) {
         cmocka_unit_test(numbers_are_uniform),
         cmocka_unit_test(dimensions_of_one_pixel_are_unrelated),
         cmocka_unit_test(strata_have_one_sample_each),
+        cmocka_unit_test(strata_are_as_asked),
         cmocka_unit_test(sobol_points_fill_every_elementary_box),
+        cmocka_unit_test(first_samples_are_a_net_too),
+        cmocka_unit_test(neighbours_share_a_net),
+        cmocka_unit_test(all_orders_of_four_come_up),
+        cmocka_unit_test(halton_points_come_down_in_their_pixels),
+        cmocka_unit_test(halton_numbers_fill_every_interval),
+        cmocka_unit_test(impossible_samplers_are_errors),
         cmocka_unit_test(numbers_are_a_function_of_their_place),
         cmocka_unit_test(permutations_are_bijections),
         cmocka_unit_test(equal_area_map_is_its_own_inverse_and_keeps_areas),
