@@ -6,7 +6,7 @@
 // (ω points from c to the point), intensity I, normals within θo of the axis a, light within θe of the
 // normals:
 //
-//     I cos θ' cos θi' / max(d², r²),     0 where θ' ≥ θe,
+//     I cos θ' cos θi' / max(d, r/2)²,     0 where θ' ≥ θe,
 //     θ'  = max(0, ∠(a, ω) − θo − θb)      the least angle between a normal and a direction to the point,
 //     θi' = max(0, ∠(n, −ω) − θb)          the least angle of incidence,
 //     sin θb = r/d                         the half angle that the cluster fills (all directions within it).
@@ -78,7 +78,7 @@ static sagi_f4 weigh(const sagi_light_node *node, const place *at) {
     const sagi_f4 cos_least = select(cos_x > cos_b, fill(1), cos_x * cos_b + sin_x * sin_bound);
 
     sagi_f4 weight = absolute(node->intensity) * greater(cos_least, fill(FLOOR)) /
-                     greater(d2, node->radius * node->radius);
+                     greater(d2, fill(0.25f) * node->radius * node->radius);
     weight = (sagi_f4)((cos_least > node->cos_spread) & (sagi_w4)weight);
     if (at->facing) {
         sagi_f4 cos_i = -(at->normal_x * dx + at->normal_y * dy + at->normal_z * dz) * inverse;
