@@ -115,6 +115,17 @@ SAG_API sag_status sag_geometry_get(const sag_scene *scene, uint32_t geometry, s
 SAG_API sag_status sag_geometry_get_transform(const sag_scene *scene, uint32_t geometry,
                                               sag_affine *to_scene);
 
+/// How many ids a scene has given out: they are 0 … count − 1, those of removed geometries among them.
+SAG_API uint32_t sag_scene_geometry_count(const sag_scene *scene);
+
+/// The scene that an instance shows: the one given to sag_add_instance. NULL for an id that is unknown or no
+/// instance's, and when that scene is destroyed (the instance goes on showing what it was).
+SAG_API const sag_scene *sag_instance_scene(const sag_scene *scene, uint32_t instance);
+/// Brings a surface from the space of the scene that an instance shows to that of the scene the instance is
+/// in, its error included, as sag_surface_at does with a hit's at each level; of the last commit. An id that
+/// is no instance's changes nothing. (tests/unit/test_scene_surface.c)
+SAG_API void sag_instance_map_surface(const sag_scene *scene, uint32_t instance, sag_surface *surface);
+
 /// How much care a commit takes over its acceleration structure. Answers do not depend on it, not in a bit
 /// (tests/unit/test_quality.c); only the time to build, the memory and the time to trace do.
 /// Figures are of one mesh on two cores, beside the default.

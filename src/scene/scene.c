@@ -17,6 +17,7 @@ sag_scene *sag_scene_create(sag_context *context) {
     atomic_init(&cell->references, 1);
     cell->context = context;
     cell->current = NULL;
+    cell->owner = scene;
     memset(scene, 0, sizeof *scene);
     scene->context = context;
     scene->kernel = sagi_kernel_pick(context->isa);
@@ -35,6 +36,7 @@ void sag_scene_destroy(sag_scene *scene) {
     if (scene == NULL) return;
     for (uint32_t i = 0; i < scene->count; i++) forget(&scene->geometries[i]);
     sag_release(scene->context, scene->geometries, scene->capacity * sizeof *scene->geometries);
+    scene->cell->owner = NULL;
     sagi_cell_release(scene->cell);
     sag_release(scene->context, scene->solid_steps, scene->solid_step_count * sizeof *scene->solid_steps);
     sag_release(scene->context, scene, sizeof *scene);
@@ -96,6 +98,13 @@ uint32_t sag_add_instance(sag_scene *scene, sag_scene *child, const sag_affine *
 // The geometry, NULL for an id that is unknown or removed.
 static sagi_geometry *find(const sag_scene *scene, uint32_t id) {
     return id < scene->count && !scene->geometries[id].removed ? &scene->geometries[id] : NULL;
+}
+
+uint32_t sag_scene_geometry_count(const sag_scene *scene) { return scene->count; }
+
+const sag_scene *sag_instance_scene(const sag_scene *scene, uint32_t instance) {
+    const sagi_geometry *g = find(scene, instance);
+    return g != NULL && g->child != NULL ? g->child->owner : NULL;
 }
 
 sag_status sag_geometry_set_transform(sag_scene *scene, uint32_t geometry, const sag_affine *to_scene) {

@@ -216,6 +216,7 @@ typedef struct sagi_cell {
     atomic_uint references;
     const sag_context *context;
     sagi_snapshot *current; // NULL before the first commit
+    const sag_scene *owner; // NULL when it is gone
 } sagi_cell;
 
 sagi_cell *sagi_cell_retain(sagi_cell *cell);

@@ -65,6 +65,12 @@ static void surface_here(const sagi_snapshot *s, const sag_ray *ray, const sag_h
     }
 }
 
+void sag_instance_map_surface(const sag_scene *scene, uint32_t instance, sag_surface *surface) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    if (s == NULL || instance >= s->count || s->entries[instance].child == NULL) return;
+    if (s->items[instance].place != NULL) sagi_surface_map(s->items[instance].place, surface);
+}
+
 // In a solid's space: crossings within 2⁻⁴⁹ (t|dᵢ| + |oᵢ|) of each other are one boundary (solid.h), which a
 // ray spawned there must leave behind as a whole. Along the ray they are at most √3 times as far apart as the
 // largest coordinate says: twice that covers them, whichever way their faces look.

@@ -214,11 +214,45 @@ static void area_and_samples(void **state) {
     sag_scene_destroy(scene);
 }
 
+// A sample of what an instance of an instance shows, brought outward, is the surface that a ray finds there.
+static void samples_within_instances(void **state) {
+    (void)state;
+    rng r = rng_make(7);
+    for (int k = 0; k < 100; k++) {
+        nest n = make_nest(&r, rng_log_uniform(&r, 1e-3, 1e3), 2);
+        sag_surface sample, found;
+        double density;
+        assert_true(sag_instance_scene(n.scenes[1], 0) == n.scenes[0]);
+        assert_true(sag_instance_scene(n.scenes[2], 0) == n.scenes[1]);
+        assert_null(sag_instance_scene(n.scenes[0], 0));
+        assert_null(sag_instance_scene(n.scenes[2], 7));
+        assert_int_equal(sag_scene_geometry_count(n.scenes[1]), 1);
+        assert_true(sag_geometry_sample(n.scenes[0], 0, 0, rng_vec2(&r), &sample, &density));
+        const sag_surface inner = sample;
+        sag_instance_map_surface(n.scenes[2], 7, &sample);
+        assert_memory_equal(&sample, &inner, sizeof sample);
+        sag_instance_map_surface(n.scenes[1], 0, &sample);
+        sag_instance_map_surface(n.scenes[2], 0, &sample);
+        // From outside of a convex shape: the point is the first that the ray meets.
+        const double size =
+            sag_length(sag_sub(sample.position, sag_affine_point(&n.whole, sag_vec3_make(0, 0, 0))));
+        sag_ray ray = sag_ray_make(sag_madd(sample.position, size, sample.geometric_normal),
+                                   sag_neg(sample.geometric_normal));
+        sag_hit hit;
+        assert_true(sag_intersect(n.scenes[2], &ray, &hit));
+        sag_surface_at(n.scenes[2], &ray, &hit, &found);
+        assert_true(sag_length(sag_sub(found.position, sample.position)) < 1e-7 * size);
+        assert_true(sag_dot(found.geometric_normal, sample.geometric_normal) > 0.999);
+        free_nest(&n);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spawned_rays),
         cmocka_unit_test(mirrored_mesh),
         cmocka_unit_test(area_and_samples),
+        cmocka_unit_test(samples_within_instances),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
