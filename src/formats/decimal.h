@@ -11,8 +11,13 @@
 // The longest text sagi_format_number writes: -1.2345678901234567e-308.
 #define SAGI_NUMBER_BYTES 24
 
-// The double nearest to whole·10^exponent, ties to even. False, writing nothing, for 0 and where |exponent| >
-// 27: there (and on a machine without 128-bit integers) sagi_parse_number finds another way.
+#define SAGI_MAX_DECIMAL_POWER 64
+// The leading 128 bits of 5^q (decimal_powers.c).
+extern const uint64_t sagi_decimal_powers[2 * (2 * SAGI_MAX_DECIMAL_POWER + 1)];
+
+// The double nearest to whole·10^exponent, ties to even. False, writing nothing, for 0, where |exponent| >
+// 64, and next to the middle between two doubles (one in 2⁷⁰): there, and on a machine without 128-bit
+// integers, sagi_parse_number finds another way.
 bool sagi_decimal_to_double(uint64_t whole, int exponent, double *value);
 
 // Writes the value as printf's "%.17g" does in the C locale, without a zero byte ("nan" has no sign): 17
