@@ -138,18 +138,23 @@ uint32_t sagi_mesh_data_not_finite(const sagi_mesh_data *mesh) {
     return count;
 }
 
+bool sagi_mesh_data_reserve(sagi_mesh_data *mesh, size_t capacity) {
+    if (capacity <= mesh->triangle_capacity) return true;
+    uint32_t *triangles = sag_allocate(mesh->context, 3 * capacity * sizeof(uint32_t));
+    if (!triangles) return false;
+    if (mesh->triangle_count)
+        memcpy(triangles, mesh->triangles, 3 * (size_t)mesh->triangle_count * sizeof(uint32_t));
+    sag_release(mesh->context, mesh->triangles, 3 * mesh->triangle_capacity * sizeof(uint32_t));
+    mesh->triangles = triangles;
+    mesh->triangle_capacity = capacity;
+    return true;
+}
+
 bool sagi_mesh_data_add(sagi_mesh_data *mesh, uint32_t a, uint32_t b, uint32_t c) {
-    if (mesh->triangle_count == mesh->triangle_capacity) {
-        const size_t larger = mesh->triangle_capacity ? 2 * mesh->triangle_capacity : 1024;
-        uint32_t *triangles = sag_allocate(mesh->context, 3 * larger * sizeof(uint32_t));
-        if (!triangles) return false;
-        if (mesh->triangle_count)
-            memcpy(triangles, mesh->triangles, 3 * (size_t)mesh->triangle_count * sizeof(uint32_t));
-        sag_release(mesh->context, mesh->triangles, 3 * mesh->triangle_capacity * sizeof(uint32_t));
-        mesh->triangles = triangles;
-        mesh->triangle_capacity = larger;
-    }
     if (mesh->triangle_count == UINT32_MAX) return false;
+    if (mesh->triangle_count == mesh->triangle_capacity &&
+        !sagi_mesh_data_reserve(mesh, mesh->triangle_capacity ? 2 * mesh->triangle_capacity : 1024))
+        return false;
     uint32_t *triangle = mesh->triangles + 3 * (size_t)mesh->triangle_count++;
     triangle[0] = a, triangle[1] = b, triangle[2] = c;
     return true;

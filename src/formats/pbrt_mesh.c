@@ -139,8 +139,8 @@ sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p) {
         return status;
     }
     char name[SAGI_MAX_PATH + 32];
-    int line, column;
-    sagi_place_find(p->params.place, &line, &column);
+    int line = 0, column;
+    if (p->options->on_mesh) sagi_place_find(p->params.place, &line, &column); // counts all lines before
     snprintf(name, sizeof name, "%s:%d", p->params.place.source->path, line);
     return finish_mesh(p, &data, name);
 }

@@ -18,8 +18,8 @@
 void sagi_place_find(sagi_place place, int *line, int *column) {
     *line = 1, *column = 1;
     const char *begin = (const char *)place.source->file.bytes, *line_begin = begin;
-    for (const char *p = begin; p < place.at; p++)
-        if (*p == '\n') line_begin = p + 1, ++*line;
+    for (const char *p = begin; (p = memchr(p, '\n', (size_t)(place.at - p))) != NULL; ++*line)
+        line_begin = ++p;
     *column = (int)(place.at - line_begin) + 1;
 }
 
@@ -174,6 +174,10 @@ static sag_status parse_declaration(sagi_params *params, const sagi_token *token
     return SAG_OK;
 }
 
+static bool is_integer(double value) {
+    return value >= INT32_MIN && value <= UINT32_MAX && value == (double)(int64_t)value;
+}
+
 // Adds the value a token holds, if it suits the type.
 static sag_status add_value(sagi_params *params, const sagi_param *param, const sagi_token *token) {
     const sagi_slice text = token->text;
@@ -186,8 +190,7 @@ static sag_status add_value(sagi_params *params, const sagi_param *param, const 
     const char *const end = text.text + text.length;
     if (token->kind == SAGI_TOKEN_WORD && !wants_string && param->type != SAGI_TYPE_BOOL &&
         sagi_parse_number(text.text, end, &value) == end) {
-        if (param->type == SAGI_TYPE_INTEGER &&
-            !(value >= INT32_MIN && value <= UINT32_MAX && value == (double)(int64_t)value))
+        if (param->type == SAGI_TYPE_INTEGER && !is_integer(value))
             return params->status =
                        sagi_place_error(token->place, params->error, "%.*s is not an integer of 32 bits",
                                         (int)(text.length < 40 ? text.length : 40), text.text);
@@ -205,13 +208,19 @@ static sag_status add_value(sagi_params *params, const sagi_param *param, const 
 }
 
 // The quick way through a bracket full of numbers: as many as stand there plainly.
-static bool add_numbers(sagi_params *params, sagi_cursor *cursor) {
+static bool add_numbers(sagi_params *params, sagi_cursor *cursor, bool whole) {
     for (;;) {
-        skip_space(cursor);
+        if (cursor->next != cursor->end && is_space(*cursor->next)) cursor->next++;
+        if (cursor->next == cursor->end || is_space(*cursor->next) || *cursor->next == '#')
+            skip_space(cursor);
         double value;
         const char *stop = sagi_parse_number(cursor->next, cursor->end, &value);
         if (!stop || (stop != cursor->end && !is_space(*stop) && *stop != ']' && *stop != '#')) return true;
-        if (!add_number(params, value)) return false;
+        if (whole && !is_integer(value)) return true;
+        if (params->number_count < params->number_allocated)
+            params->numbers[params->number_count++] = value;
+        else if (!add_number(params, value))
+            return false;
         cursor->next = stop;
     }
 }
@@ -226,10 +235,11 @@ static sag_status parse_values(sagi_params *params, sagi_cursor *cursor, const s
                    sagi_place_error(param->place, params->error, "\"%s %.*s\" has no value",
                                     type_name(param->type), (int)param->name.length, param->name.text);
     const sagi_place open = token.place;
-    const unsigned plain = SAGI_TYPE_FLOAT | SAGI_TYPE_POINT2 | SAGI_TYPE_VECTOR2 | SAGI_TYPE_POINT3 |
-                           SAGI_TYPE_VECTOR3 | SAGI_TYPE_NORMAL | SAGI_TYPE_RGB;
+    const bool whole = param->type == SAGI_TYPE_INTEGER;
+    const unsigned plain = SAGI_TYPE_INTEGER | SAGI_TYPE_FLOAT | SAGI_TYPE_POINT2 | SAGI_TYPE_VECTOR2 |
+                           SAGI_TYPE_POINT3 | SAGI_TYPE_VECTOR3 | SAGI_TYPE_NORMAL | SAGI_TYPE_RGB;
     for (;;) {
-        if ((param->type & plain) && !add_numbers(params, cursor)) return out_of_memory(params);
+        if ((param->type & plain) && !add_numbers(params, cursor, whole)) return out_of_memory(params);
         if ((params->status = sagi_cursor_next(cursor, &token, params->error)) != SAG_OK)
             return params->status;
         if (token.kind == SAGI_TOKEN_CLOSE) return SAG_OK;

@@ -6,8 +6,9 @@
 // A reader of our own because the general importer does not do what is promised for these files: it says
 // nothing of where a damaged file is damaged, reads what is left of a truncated one, drops vertices that are
 // not numbers, and takes several times the memory and time for meshes of millions of triangles.
+#include "formats/ply.h"
+
 #include "formats/file.h"
-#include "formats/load.h"
 #include "formats/names.h"
 #include "formats/number.h"
 
@@ -15,33 +16,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_PROPERTIES 64
-#define MAX_CORNERS    65536
-
-typedef enum type { TYPE_NONE, INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64 } type;
-typedef enum encoding { ASCII, LITTLE_ENDIAN, BIG_ENDIAN } encoding;
-// What a property is to us.
-typedef enum role { IGNORED, X, Y, Z, NX, NY, NZ, U, V, INDICES, ROLE_COUNT } role;
-
-typedef struct property {
-    type type, count_type; // count_type NONE: a single value, else a list's
-    role role;
-} property;
-
-typedef struct reader {
-    const sag_context *context;
-    const char *path;
-    sag_error *error;
-    const uint8_t *begin, *next, *end;
-    encoding encoding;
-    sagi_mesh_data *mesh;
-    bool seen_vertices, seen_faces;
-    uint32_t largest_index;
-    const uint8_t *largest_at; // where the largest index stands
-} reader;
-
 // SAG_ERROR_FORMAT with line and column, or the byte for binary data.
-static sag_status fail(const reader *r, const uint8_t *at, bool is_text, const char *message) {
+static sag_status fail(const sagi_ply_reader *r, const uint8_t *at, bool is_text, const char *message) {
     if (!is_text)
         return sag_error_set_at(r->error, SAG_ERROR_FORMAT, r->path, 0, 0, "byte %zu: %s",
                                 (size_t)(at - r->begin), message);
@@ -57,36 +33,40 @@ static bool is_space(uint8_t c) { return c == ' ' || c == '\t' || c == '\r' || c
 
 // ---- header
 
-static type type_of(sagi_slice word) {
+static sagi_ply_type type_of(sagi_slice word) {
     static const struct {
         const char *name;
-        type type;
-    } names[] = {{"char", INT8},     {"int8", INT8},       {"uchar", UINT8},    {"uint8", UINT8},
-                 {"short", INT16},   {"int16", INT16},     {"ushort", UINT16},  {"uint16", UINT16},
-                 {"int", INT32},     {"int32", INT32},     {"uint", UINT32},    {"uint32", UINT32},
-                 {"float", FLOAT32}, {"float32", FLOAT32}, {"double", FLOAT64}, {"float64", FLOAT64}};
+        sagi_ply_type type;
+    } names[] = {{"char", SAGI_PLY_INT8},      {"int8", SAGI_PLY_INT8},       {"uchar", SAGI_PLY_UINT8},
+                 {"uint8", SAGI_PLY_UINT8},    {"short", SAGI_PLY_INT16},     {"int16", SAGI_PLY_INT16},
+                 {"ushort", SAGI_PLY_UINT16},  {"uint16", SAGI_PLY_UINT16},   {"int", SAGI_PLY_INT32},
+                 {"int32", SAGI_PLY_INT32},    {"uint", SAGI_PLY_UINT32},     {"uint32", SAGI_PLY_UINT32},
+                 {"float", SAGI_PLY_FLOAT32},  {"float32", SAGI_PLY_FLOAT32}, {"double", SAGI_PLY_FLOAT64},
+                 {"float64", SAGI_PLY_FLOAT64}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (sagi_slice_is(word, names[i].name)) return names[i].type;
-    return TYPE_NONE;
+    return SAGI_PLY_NONE;
 }
 
-static role role_of(sagi_slice word, bool is_list) {
+static sagi_ply_role role_of(sagi_slice word, bool is_list) {
     static const struct {
         const char *name;
-        role role;
-    } names[] = {{"x", X},   {"y", Y}, {"z", Z},         {"nx", NX},       {"ny", NY},
-                 {"nz", NZ}, {"u", U}, {"s", U},         {"texture_u", U}, {"texture_s", U},
-                 {"v", V},   {"t", V}, {"texture_v", V}, {"texture_t", V}};
+        sagi_ply_role role;
+    } names[] = {{"x", SAGI_PLY_X},         {"y", SAGI_PLY_Y},         {"z", SAGI_PLY_Z}, {"nx", SAGI_PLY_NX},
+                 {"ny", SAGI_PLY_NY},       {"nz", SAGI_PLY_NZ},       {"u", SAGI_PLY_U}, {"s", SAGI_PLY_U},
+                 {"texture_u", SAGI_PLY_U}, {"texture_s", SAGI_PLY_U}, {"v", SAGI_PLY_V}, {"t", SAGI_PLY_V},
+                 {"texture_v", SAGI_PLY_V}, {"texture_t", SAGI_PLY_V}};
     if (is_list)
-        return sagi_slice_is(word, "vertex_indices") || sagi_slice_is(word, "vertex_index") ? INDICES
-                                                                                            : IGNORED;
+        return sagi_slice_is(word, "vertex_indices") || sagi_slice_is(word, "vertex_index")
+                   ? SAGI_PLY_INDICES
+                   : SAGI_PLY_IGNORED;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (sagi_slice_is(word, names[i].name)) return names[i].role;
-    return IGNORED;
+    return SAGI_PLY_IGNORED;
 }
 
 // The words of the next header line; false at the end of the file.
-static bool next_line(reader *r, sagi_slice words[8], int *count) {
+static bool next_line(sagi_ply_reader *r, sagi_slice words[8], int *count) {
     *count = 0;
     const uint8_t *p = r->next;
     for (int i = 0; i < 8; i++) words[i] = (sagi_slice){"", 0};
@@ -106,42 +86,43 @@ static bool next_line(reader *r, sagi_slice words[8], int *count) {
 
 // ---- values
 
-static size_t size_of(type t) {
+size_t sagi_ply_size(sagi_ply_type t) {
     static const size_t sizes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
     return sizes[t];
 }
 
-static double load(const uint8_t *p, type t, encoding e) {
+static double load(const uint8_t *p, sagi_ply_type t, sagi_ply_encoding e) {
     uint64_t bits = 0;
-    const size_t size = size_of(t);
-    for (size_t i = 0; i < size; i++) bits |= (uint64_t)p[e == BIG_ENDIAN ? size - 1 - i : i] << (8 * i);
+    const size_t size = sagi_ply_size(t);
+    for (size_t i = 0; i < size; i++)
+        bits |= (uint64_t)p[e == SAGI_PLY_BIG_ENDIAN ? size - 1 - i : i] << (8 * i);
     switch (t) {
-    case INT8: return (int8_t)bits;
-    case UINT8: return (uint8_t)bits;
-    case INT16: return (int16_t)bits;
-    case UINT16: return (uint16_t)bits;
-    case INT32: return (int32_t)bits;
-    case UINT32: return (uint32_t)bits;
-    case FLOAT32: {
+    case SAGI_PLY_INT8: return (int8_t)bits;
+    case SAGI_PLY_UINT8: return (uint8_t)bits;
+    case SAGI_PLY_INT16: return (int16_t)bits;
+    case SAGI_PLY_UINT16: return (uint16_t)bits;
+    case SAGI_PLY_INT32: return (int32_t)bits;
+    case SAGI_PLY_UINT32: return (uint32_t)bits;
+    case SAGI_PLY_FLOAT32: {
         const uint32_t narrow = (uint32_t)bits;
         float value;
         memcpy(&value, &narrow, 4);
         return (double)value;
     }
-    case FLOAT64: {
+    case SAGI_PLY_FLOAT64: {
         double value;
         memcpy(&value, &bits, 8);
         return value;
     }
-    case TYPE_NONE: break;
+    case SAGI_PLY_NONE: break;
     }
     return 0;
 }
 
 // The next value, whatever the encoding; false with the error set.
-static bool next_value(reader *r, type t, double *value) {
-    if (r->encoding != ASCII) {
-        const size_t size = size_of(t);
+static bool next_value(sagi_ply_reader *r, sagi_ply_type t, double *value) {
+    if (r->encoding != SAGI_PLY_ASCII) {
+        const size_t size = sagi_ply_size(t);
         if ((size_t)(r->end - r->next) < size) {
             fail(r, r->end, false, "the file is cut short");
             return false;
@@ -164,28 +145,32 @@ static bool next_value(reader *r, type t, double *value) {
     return true;
 }
 
-static sag_status out_of_memory(const reader *r) {
+static sag_status out_of_memory(const sagi_ply_reader *r) {
     return sag_error_set_at(r->error, SAG_ERROR_MEMORY, r->path, 0, 0, "out of memory for the mesh");
 }
 
 // ---- elements
 
-static sag_status read_vertices(reader *r, uint64_t count, const property *properties, int property_count) {
-    bool has[ROLE_COUNT] = {false}, wide = false;
+static sag_status read_vertices(sagi_ply_reader *r, uint64_t count, const sagi_ply_property *properties,
+                                int property_count) {
+    bool has[SAGI_PLY_ROLE_COUNT] = {false}, wide = false;
     for (int i = 0; i < property_count; i++) {
         has[properties[i].role] = true;
-        if (properties[i].role >= X && properties[i].role <= Z)
-            wide = wide || properties[i].type == FLOAT64 || properties[i].type == INT32 ||
-                   properties[i].type == UINT32;
+        if (properties[i].role >= SAGI_PLY_X && properties[i].role <= SAGI_PLY_Z)
+            wide = wide || properties[i].type == SAGI_PLY_FLOAT64 || properties[i].type == SAGI_PLY_INT32 ||
+                   properties[i].type == SAGI_PLY_UINT32;
     }
-    if (!has[X] || !has[Y] || !has[Z]) return fail(r, r->next, true, "the vertices have no x, y and z");
+    if (!has[SAGI_PLY_X] || !has[SAGI_PLY_Y] || !has[SAGI_PLY_Z])
+        return fail(r, r->next, true, "the vertices have no x, y and z");
     // A vertex takes at least a byte a property: a claim of more than the file holds must not cost memory.
     if (count > UINT32_MAX || count * 3 > (uint64_t)(r->end - r->next))
-        return fail(r, r->end, r->encoding == ASCII, "the file is cut short");
+        return fail(r, r->end, r->encoding == SAGI_PLY_ASCII, "the file is cut short");
     sagi_mesh_data *mesh = r->mesh;
+    if (count == 0) return SAG_OK;
     mesh->vertex_count = (uint32_t)count;
-    const size_t n = count ? (size_t)count : 1;
-    const bool with_normals = has[NX] && has[NY] && has[NZ], with_texcoords = has[U] && has[V];
+    const size_t n = (size_t)count;
+    const bool with_normals = has[SAGI_PLY_NX] && has[SAGI_PLY_NY] && has[SAGI_PLY_NZ],
+               with_texcoords = has[SAGI_PLY_U] && has[SAGI_PLY_V];
     if (wide)
         mesh->positions_f64 = sag_allocate(r->context, 3 * n * sizeof(double));
     else
@@ -195,8 +180,9 @@ static sag_status read_vertices(reader *r, uint64_t count, const property *prope
     if (!(wide ? (void *)mesh->positions_f64 : (void *)mesh->positions_f32) ||
         (with_normals && !mesh->normals) || (with_texcoords && !mesh->texcoords))
         return out_of_memory(r);
-    for (size_t i = 0; i < count; i++) {
-        double values[ROLE_COUNT] = {0};
+    if (sagi_ply_quick_vertices(r, n, properties, property_count)) return SAG_OK;
+    for (size_t i = 0; i < n; i++) {
+        double values[SAGI_PLY_ROLE_COUNT] = {0};
         for (int k = 0; k < property_count; k++) {
             double list = 1;
             if (properties[k].count_type && !next_value(r, properties[k].count_type, &list))
@@ -206,30 +192,30 @@ static sag_status read_vertices(reader *r, uint64_t count, const property *prope
         }
         for (int c = 0; c < 3; c++) {
             if (wide)
-                mesh->positions_f64[3 * i + (size_t)c] = values[X + c];
+                mesh->positions_f64[3 * i + (size_t)c] = values[SAGI_PLY_X + c];
             else
-                mesh->positions_f32[3 * i + (size_t)c] = (float)values[X + c];
-            if (with_normals) mesh->normals[3 * i + (size_t)c] = (float)values[NX + c];
-            if (with_texcoords && c < 2) mesh->texcoords[2 * i + (size_t)c] = (float)values[U + c];
+                mesh->positions_f32[3 * i + (size_t)c] = (float)values[SAGI_PLY_X + c];
+            if (with_normals) mesh->normals[3 * i + (size_t)c] = (float)values[SAGI_PLY_NX + c];
+            if (with_texcoords && c < 2) mesh->texcoords[2 * i + (size_t)c] = (float)values[SAGI_PLY_U + c];
         }
     }
     return SAG_OK;
 }
 
 // One face's list of indices, as a fan of triangles around its first corner.
-static sag_status read_face(reader *r, const property *p) {
+static sag_status read_face(sagi_ply_reader *r, const sagi_ply_property *p) {
     double corners, value;
     const uint8_t *list_at = r->next;
     if (!next_value(r, p->count_type, &corners)) return SAG_ERROR_FORMAT;
-    if (!(corners >= 0 && corners <= MAX_CORNERS))
-        return fail(r, list_at, r->encoding == ASCII, "a face with an impossible number of corners");
+    if (!(corners >= 0 && corners <= SAGI_PLY_MAX_CORNERS))
+        return fail(r, list_at, r->encoding == SAGI_PLY_ASCII, "a face with an impossible number of corners");
     uint32_t fan[3] = {0, 0, 0};
     for (double corner = 0; corner < corners; corner++) {
-        while (r->encoding == ASCII && r->next != r->end && is_space(*r->next)) r->next++;
+        while (r->encoding == SAGI_PLY_ASCII && r->next != r->end && is_space(*r->next)) r->next++;
         const uint8_t *at = r->next;
         if (!next_value(r, p->type, &value)) return SAG_ERROR_FORMAT;
         if (!(value >= 0 && value < UINT32_MAX && value == floor(value)))
-            return fail(r, at, r->encoding == ASCII, "a vertex index that is no natural number");
+            return fail(r, at, r->encoding == SAGI_PLY_ASCII, "a vertex index that is no natural number");
         const uint32_t index = (uint32_t)value;
         if (!r->largest_at || index > r->largest_index) r->largest_index = index, r->largest_at = at;
         if (corner == 0) {
@@ -243,13 +229,21 @@ static sag_status read_face(reader *r, const property *p) {
     return SAG_OK;
 }
 
-static sag_status read_others(reader *r, uint64_t count, const property *properties, int property_count,
-                              bool faces) {
-    for (uint64_t i = 0; i < count; i++) {
+static sag_status read_others(sagi_ply_reader *r, uint64_t count, const sagi_ply_property *properties,
+                              int property_count, bool faces) {
+    uint64_t first = 0;
+    // A face takes a byte and more: so many triangles are no more memory than the file is.
+    if (faces && property_count > 0 && count <= (uint64_t)(r->end - r->next) &&
+        count <= UINT32_MAX - r->mesh->triangle_count) {
+        if (!sagi_mesh_data_reserve(r->mesh, r->mesh->triangle_count + (size_t)count))
+            return out_of_memory(r);
+        first = sagi_ply_quick_triangles(r, (size_t)count, properties, property_count);
+    }
+    for (uint64_t i = first; i < count; i++) {
         for (int k = 0; k < property_count; k++) {
-            const property *p = &properties[k];
+            const sagi_ply_property *p = &properties[k];
             double list = 1, value;
-            if (faces && p->role == INDICES) {
+            if (faces && p->role == SAGI_PLY_INDICES) {
                 const sag_status status = read_face(r, p);
                 if (status != SAG_OK) return status;
                 continue;
@@ -268,7 +262,7 @@ typedef struct element {
     sagi_slice name;
     uint64_t count;
     int property_count;
-    property properties[MAX_PROPERTIES];
+    sagi_ply_property properties[SAGI_PLY_MAX_PROPERTIES];
 } element;
 
 #define MAX_ELEMENTS 16
@@ -277,14 +271,15 @@ typedef struct header {
     element elements[MAX_ELEMENTS];
 } header;
 
-static sag_status read_property(const reader *r, header *h, const sagi_slice words[8], int count,
+static sag_status read_property(const sagi_ply_reader *r, header *h, const sagi_slice words[8], int count,
                                 const uint8_t *line) {
     if (h->element_count == 0) return fail(r, line, true, "a property before any element");
     element *e = &h->elements[h->element_count - 1];
-    if (e->property_count == MAX_PROPERTIES) return fail(r, line, true, "an element has too many properties");
+    if (e->property_count == SAGI_PLY_MAX_PROPERTIES)
+        return fail(r, line, true, "an element has too many properties");
     const bool is_list = sagi_slice_is(words[1], "list");
-    property *p = &e->properties[e->property_count++];
-    p->count_type = is_list ? type_of(words[2]) : TYPE_NONE;
+    sagi_ply_property *p = &e->properties[e->property_count++];
+    p->count_type = is_list ? type_of(words[2]) : SAGI_PLY_NONE;
     p->type = type_of(words[is_list ? 3 : 1]);
     p->role = role_of(words[is_list ? 4 : 2], is_list);
     if (count < (is_list ? 5 : 3) || !p->type || (is_list && !p->count_type))
@@ -292,7 +287,7 @@ static sag_status read_property(const reader *r, header *h, const sagi_slice wor
     return SAG_OK;
 }
 
-static sag_status read_header(reader *r, header *h) {
+static sag_status read_header(sagi_ply_reader *r, header *h) {
     bool has_format = false;
     for (;;) {
         const uint8_t *line = r->next;
@@ -303,11 +298,11 @@ static sag_status read_header(reader *r, header *h) {
         if (sagi_slice_is(words[0], "format")) {
             has_format = true;
             if (sagi_slice_is(words[1], "ascii"))
-                r->encoding = ASCII;
+                r->encoding = SAGI_PLY_ASCII;
             else if (sagi_slice_is(words[1], "binary_little_endian"))
-                r->encoding = LITTLE_ENDIAN;
+                r->encoding = SAGI_PLY_LITTLE_ENDIAN;
             else if (sagi_slice_is(words[1], "binary_big_endian"))
-                r->encoding = BIG_ENDIAN;
+                r->encoding = SAGI_PLY_BIG_ENDIAN;
             else
                 return fail(r, line, true,
                             "unknown format: ascii, binary_little_endian or binary_big_endian expected");
@@ -333,7 +328,7 @@ static sag_status read_header(reader *r, header *h) {
     return has_format ? SAG_OK : fail(r, r->next, true, "the header names no format");
 }
 
-static sag_status read_all(reader *r) {
+static sag_status read_all(sagi_ply_reader *r) {
     if ((size_t)(r->end - r->begin) < 4 || memcmp(r->begin, "ply", 3) != 0 || !is_space(r->begin[3]))
         return fail(r, r->begin, true, "not a PLY file: it does not begin with \"ply\"");
     header h = {0};
@@ -355,7 +350,7 @@ static sag_status read_all(reader *r) {
         char message[96];
         snprintf(message, sizeof message, "vertex index %u is out of range: there are %u vertices",
                  r->largest_index, r->mesh->vertex_count);
-        return fail(r, r->largest_at, r->encoding == ASCII, message);
+        return fail(r, r->largest_at, r->encoding == SAGI_PLY_ASCII, message);
     }
     return SAG_OK;
 }
@@ -366,13 +361,13 @@ sag_status sagi_ply_read(const sag_context *context, const char *path, sagi_mesh
     sag_status status = sagi_file_open(context, path, &file, error);
     if (status != SAG_OK) return status;
     *mesh = (sagi_mesh_data){.context = context};
-    reader r = {.context = context,
-                .path = path,
-                .error = error,
-                .begin = file.bytes,
-                .next = file.bytes,
-                .end = file.bytes + file.size,
-                .mesh = mesh};
+    sagi_ply_reader r = {.context = context,
+                         .path = path,
+                         .error = error,
+                         .begin = file.bytes,
+                         .next = file.bytes,
+                         .end = file.bytes + file.size,
+                         .mesh = mesh};
     status = read_all(&r);
     if (status != SAG_OK) sagi_mesh_data_clear(mesh);
     sagi_file_close(&file);
