@@ -39,7 +39,38 @@ typedef enum sag_texture_kind {
     SAG_TEXTURE_IMAGE, ///< a picture, bilinear
 } sag_texture_kind;
 
-typedef enum sag_wrap { SAG_WRAP_REPEAT, SAG_WRAP_BLACK, SAG_WRAP_CLAMP } sag_wrap;
+/// How a point gets its texture coordinates (s, t). The last three start from the point in the texture's
+/// space.
+typedef enum sag_mapping_kind {
+    SAG_MAPPING_UV,          ///< (u · u_scale + u_offset, v · v_scale + v_offset)
+    SAG_MAPPING_SPHERICAL,   ///< (θ/π, φ/2π): θ from +z, φ around it from +x
+    SAG_MAPPING_CYLINDRICAL, ///< ((π + φ)/2π, z)
+    SAG_MAPPING_PLANAR,      ///< (p·v1 + u_offset, p·v2 + v_offset)
+} sag_mapping_kind;
+
+typedef struct sag_mapping {
+    sag_mapping_kind kind;
+    double u_scale, v_scale; ///< 0 counts as 1
+    double u_offset, v_offset;
+    sag_vec3 v1, v2;             ///< zero vectors count as x and y
+    sag_affine world_to_texture; ///< zero-initialised: the identity
+} sag_mapping;
+
+/// What is beyond a picture's edges.
+typedef enum sag_wrap {
+    SAG_WRAP_REPEAT,
+    SAG_WRAP_BLACK,
+    SAG_WRAP_CLAMP,
+    SAG_WRAP_OCTAHEDRAL, ///< the other side of the edge of an octahedral map of the sphere
+} sag_wrap;
+
+/// How a picture that is seen smaller or at a slant is averaged over the footprint of a pixel.
+typedef enum sag_texture_filter {
+    SAG_LOOKUP_BILINEAR,  ///< between four texels of the level that is just fine enough
+    SAG_LOOKUP_POINT,     ///< one texel of that level
+    SAG_LOOKUP_TRILINEAR, ///< between two levels
+    SAG_LOOKUP_EWA,       ///< an ellipse with Gaussian weights (Heckbert 1989)
+} sag_texture_filter;
 
 /// One texture. (u, v) ↦ (u·u_scale + u_offset, v·v_scale + v_offset) first; a scale of 0 counts as 1. v = 0
 /// is the bottom row.

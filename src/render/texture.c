@@ -9,6 +9,7 @@ static int64_t wrap_index(double i, uint32_t n, sag_wrap wrap) {
     switch (wrap) {
     case SAG_WRAP_REPEAT: return (int64_t)sagi_clamp(i - floor(i / n) * n, 0, n - 1.0);
     case SAG_WRAP_CLAMP: return i < 0 ? 0 : n - 1;
+    case SAG_WRAP_OCTAHEDRAL:
     case SAG_WRAP_BLACK: break;
     }
     return -1;
