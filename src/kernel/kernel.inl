@@ -13,6 +13,7 @@
 #include "shapes/common.h"
 #include "shapes/mesh.h"
 #include "shapes/outline.h"
+#include "shapes/sphere_four.h"
 #include "shapes/sphere_solve.h"
 #include "shapes/spheres.h"
 #include "shapes/triangle_solve.h"

@@ -80,15 +80,19 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
     return answer;
 }
 
+// Centre and radius of a block's sphere.
+SAGI_INLINE sagi_d4 sphere_at(const sagi_world *world, const sagi_block *block, sagi_bvh_reference r) {
+    const void *shape = world->items[r.geometry].shape;
+    return block->geometry == SAGI_LONE_SPHERES ? sagi_sphere_load(shape)
+                                                : sagi_spheres_load(shape, r.primitive);
+}
+
 // One sphere by itself.
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane) {
     const sagi_bvh_reference r = sagi_block_reference(block, lane);
-    const void *shape = here->world->items[r.geometry].shape;
     SAGI_KERNEL_COUNT(solved);
     double t[2];
-    sagi_d4 at =
-        block->geometry == SAGI_LONE_SPHERES ? sagi_sphere_load(shape) : sagi_spheres_load(shape, r.primitive);
-    int found = sagi_sphere_solve(at, here->ray, here->t_max, asked != ALL, t);
+    int found = sagi_sphere_solve(sphere_at(here->world, block, r), here->ray, here->t_max, asked != ALL, t);
     for (int i = 0; i < found; i++)
         if (accept(asked, here, r.geometry, r.primitive, t[i], 0, 0)) return true;
     return false;

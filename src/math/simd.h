@@ -93,6 +93,7 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
     return (sagi_d4)_mm256_fmsub_pd(a, b, p);
 }
 SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) { return (sagi_f8)_mm256_sqrt_ps(a); }
+SAGI_INLINE sagi_d4 sagi_d4_sqrt(sagi_d4 a) { return (sagi_d4)_mm256_sqrt_pd(a); }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_min_pd(a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_max_pd(a, b); }
 // Three numbers; the fourth lane holds anything.
@@ -131,6 +132,9 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // 
     sagi_d4 ta = splitter * a, tb = splitter * b, ah = ta - (ta - a), bh = tb - (tb - b);
     sagi_d4 al = a - ah, bl = b - bh;
     return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+}
+SAGI_INLINE sagi_d4 sagi_d4_sqrt(sagi_d4 a) {
+    return (sagi_d4){__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]), __builtin_sqrt(a[3])};
 }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a < b, a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a > b, a, b); }
