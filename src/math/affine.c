@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Affine maps: making, applying and multiplying them.
+#include "math/elementary.h"
 #include "math/map.h"
 
 sag_affine sag_affine_identity(void) { return sag_affine_scale(sag_vec3_make(1, 1, 1)); }
@@ -32,8 +33,8 @@ static void sine_cosine(double angle_rad, double *sine, double *cosine) {
         *cosine = quarter == 0 ? 1 : quarter == 2 ? -1 : 0;
         return;
     }
-    *sine = sin(angle_rad);
-    *cosine = cos(angle_rad);
+    *sine = sagi_sin(angle_rad);
+    *cosine = sagi_cos(angle_rad);
 }
 
 // Rodrigues: R = nnᵀ + cos(1 − nnᵀ) + sin [n]×, with the diagonal written n² + (1 − n²) cos so that a turn

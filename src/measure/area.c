@@ -13,6 +13,7 @@
 // A spindle torus: hits and its own area know the inner sheet, the boundary of the body is the outer one.
 // With cos β = −R/r that is 2π r ∫ over |ψ| ≤ β of R + r cos ψ, = 4π r (R β + r sin β); and of points on
 // both, those with |ψ| > β do not count.
+#include "math/elementary.h"
 #include "measure/measure.h"
 #include "shapes/carlson.h"
 #include "shapes/polyhedron_face.h"
@@ -23,7 +24,8 @@
 
 // Where the outer sheet ends, as v = ψ/2π; 0.5 for a ring.
 static double torus_end(const sag_torus *t) {
-    return t->major_radius < t->minor_radius ? acos(-t->major_radius / t->minor_radius) / (2 * SAGI_PI) : 0.5;
+    return t->major_radius < t->minor_radius ? sagi_acos(-t->major_radius / t->minor_radius) / (2 * SAGI_PI)
+                                             : 0.5;
 }
 
 // The area in the shape's own space.
@@ -32,7 +34,7 @@ static double own_area(sag_shape_kind kind, const void *shape) {
     if (kind == SAG_SHAPE_TORUS) {
         const sag_torus *t = shape;
         const double beta = 2 * SAGI_PI * torus_end(t), major = t->major_radius, minor = t->minor_radius;
-        if (major < minor) return 4 * SAGI_PI * minor * (major * beta + minor * sin(beta));
+        if (major < minor) return 4 * SAGI_PI * minor * (major * beta + minor * sagi_sin(beta));
     }
     return sagi_shape_classes[kind].area(shape);
 }
@@ -118,7 +120,7 @@ sag_estimate sagi_shape_area(sag_shape_kind kind, const void *shape, const sagi_
     if (place == NULL) return (sag_estimate){own_area(kind, shape), 0};
     const double determinant = fabs(sag_affine_determinant(&place->to_scene));
     if (place->similarity) {
-        const double scale = cbrt(determinant);
+        const double scale = sagi_cbrt(determinant);
         return (sag_estimate){own_area(kind, shape) * scale * scale, 0};
     }
     switch (kind) {

@@ -10,6 +10,7 @@
 //   * a mesh whose edges are in balance: exact sums (mesh_moments.c);
 //   * all else that is closed: solids, sets of spheres, meshes that are closed but face both ways: rays.
 #include "measure/measure.h"
+#include "math/elementary.h"
 #include "shapes/shape.h"
 #include <string.h>
 
@@ -201,7 +202,7 @@ static void write_thickness(const sagi_result *r, const sag_affine *map, double 
 }
 
 static void write_body(const sagi_result *r, const sag_affine *map, sag_body *body) {
-    const double determinant = fabs(sag_affine_determinant(map)), scale = cbrt(determinant);
+    const double determinant = fabs(sag_affine_determinant(map)), scale = sagi_cbrt(determinant);
     const sagi_moments m = sagi_moments_map(&r->moments, map);
     body->state = r->state;
     body->by_rays = r->by_rays, body->reached = r->reached;

@@ -18,6 +18,7 @@
 //
 // Principal moments are J's eigenvalues, found by Jacobi's rotations: each makes one pair of elements off the
 // diagonal zero, and all of them vanish quadratically (Golub & Van Loan, "Matrix Computations", §8.5).
+#include "math/elementary.h"
 #include "measure/measure.h"
 
 // Rows and columns of the six second moments.
@@ -64,7 +65,7 @@ void sagi_moments_inertia(const sagi_moments *moments, double inertia[3][3]) {
 static void rotate(double a[3][3], double v[3][3], int p, int q) {
     if (a[p][q] == 0) return;
     const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-    const double t = copysign(1, theta) / (fabs(theta) + hypot(1, theta));
+    const double t = copysign(1, theta) / (fabs(theta) + sagi_hypot(1, theta));
     const double cosine = 1 / sqrt(1 + t * t), sine = t * cosine;
     const int r = 3 - p - q;
     const double apq = a[p][q], arp = a[r][p], arq = a[r][q];

@@ -17,6 +17,7 @@
 //
 // (Pappus). For a spindle the integrands are trigonometric polynomials of degree five over an angle of at
 // most 2π: Gauss's rule with five points on 32 panels leaves an error below 1e-16.
+#include "math/elementary.h"
 #include "measure/measure.h"
 #include "shapes/common.h"
 
@@ -54,13 +55,13 @@ static sagi_moments spindle(double major, double minor) {
     static const double weight[5] = {0.23692688505618908751, 0.47862867049936646804, 128 / 225.0,
                                      0.47862867049936646804, 0.23692688505618908751};
     enum { PANELS = 32 };
-    const double beta = acos(-major / minor), half = beta / (2 * PANELS);
+    const double beta = sagi_acos(-major / minor), half = beta / (2 * PANELS);
     sagi_moments sum = {0};
     for (int panel = 0; panel < PANELS; panel++)
         for (int i = 0; i < 5; i++) {
             const double psi = half * (2 * panel + 1 + node[i]);
-            const double rho = major + minor * cos(psi), z = minor * sin(psi), square = rho * rho;
-            const double w = 2 * SAGI_PI * half * weight[i] * minor * cos(psi) * square; // both ±ψ
+            const double rho = major + minor * sagi_cos(psi), z = minor * sagi_sin(psi), square = rho * rho;
+            const double w = 2 * SAGI_PI * half * weight[i] * minor * sagi_cos(psi) * square; // both ±ψ
             sum.volume += w;
             sum.central[0] += w * square / 4;
             sum.central[2] += w * z * z;

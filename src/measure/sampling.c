@@ -22,6 +22,7 @@
 // counts.
 //
 // A task is one family of one randomisation and 512 of its lines at most; sums are added in the tasks' order.
+#include "math/elementary.h"
 #include "measure/measure.h"
 
 #define FIRST_LINES  ((uint64_t)256)  // of each family and randomisation
@@ -207,7 +208,7 @@ static bool sample(sampler *s, sagi_reporter *reporter, sagi_result *result) {
         result->state = m.volume > 0 ? SAG_BODY_CLOSED : SAG_BODY_EMPTY;
         result->reached = error <= o->error;
         if (result->reached || lines == most || !(m.volume > 0)) return true;
-        fraction = fmin(pow(o->error / error, 4 / 3.0), 0.99); // the error falls like rays^-0.75
+        fraction = fmin(sagi_pow(o->error / error, 4 / 3.0), 0.99); // the error falls like rays^-0.75
     }
 }
 

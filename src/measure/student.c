@@ -6,11 +6,12 @@
 //     ν even:  sin θ (1 + 1/2 cos²θ + … + (1·3···(ν−3))/(2·4···(ν−2)) cos^(ν−2) θ).
 //
 // It grows with θ, so θ is found by halving.
+#include "math/elementary.h"
 #include "measure/measure.h"
 #include "shapes/common.h"
 
 static double probability(double theta, int freedom) {
-    const double sine = sin(theta), cosine = cos(theta);
+    const double sine = sagi_sin(theta), cosine = sagi_cos(theta);
     if (freedom == 1) return 2 / SAGI_PI * theta;
     const bool odd = freedom % 2 == 1;
     double term = odd ? cosine : 1, sum = term;
@@ -30,5 +31,5 @@ double sagi_student_quantile(double confidence, int freedom) {
         else
             high = middle;
     }
-    return sqrt(freedom) * tan(low);
+    return sqrt(freedom) * sagi_tan(low);
 }

@@ -11,6 +11,7 @@
 // Triangles are brought to the scene's space, so they are exact under any map. The other shapes answer in
 // their own space, which is the same question only when the map keeps ratios of lengths.
 #include "kernel/block.h"
+#include "math/elementary.h"
 #include "scene/scene.h"
 #include "shapes/mesh.h"
 #include "shapes/shape.h"
@@ -37,7 +38,7 @@ typedef struct level {
 
 static double length_of(sag_vec3 v) {
     double square = sag_dot(v, v);
-    return square > 0x1p-900 && square < 0x1p900 ? sqrt(square) : hypot(hypot(v.x, v.y), v.z);
+    return square > 0x1p-900 && square < 0x1p900 ? sqrt(square) : sagi_hypot(sagi_hypot(v.x, v.y), v.z);
 }
 
 // The order of hits, with distance for t.

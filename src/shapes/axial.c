@@ -6,6 +6,7 @@
 // open and a closed shape agree on where the rim is: where the root and the plane's t, each within 2 ulp,
 // cross over.
 #include "shapes/axial.h"
+#include "math/elementary.h"
 
 static void add(sagi_crossings *list, const sag_ray *ray, double t, uint32_t primitive) {
     if (isfinite(t) && sagi_in_range(ray, t)) sagi_crossings_add(list, t, 0, 0, primitive);
@@ -41,7 +42,7 @@ void sagi_axial_sweep(double phi_max_rad, const sag_ray *ray, sagi_crossings *li
 
 void sagi_axial_clamp(const sagi_quadric_form *form, double z_min, double z_max, sag_surface *surface) {
     sag_vec3 *p = &surface->position;
-    double z = p->z < z_min ? z_min : p->z > z_max ? z_max : p->z, rho = hypot(p->x, p->y);
+    double z = p->z < z_min ? z_min : p->z > z_max ? z_max : p->z, rho = sagi_hypot(p->x, p->y);
     if (z == p->z) return;
     p->z = z;
     if (!(rho > 0)) return;
@@ -53,7 +54,7 @@ void sagi_axial_clamp(const sagi_quadric_form *form, double z_min, double z_max,
 }
 
 void sagi_cap_place(double z, double radius, double up, double x, double y, sag_surface *surface) {
-    double rho = hypot(x, y), blur = 4 * SAGI_EPSILON;
+    double rho = sagi_hypot(x, y), blur = 4 * SAGI_EPSILON;
     surface->position = sag_vec3_make(x, y, z);
     // z is exact; its error only lets a spawned ray start clear of underflow where z is 0.
     surface->position_error =
@@ -73,7 +74,7 @@ void sagi_cap_surface(double z, double radius, double up, const sag_ray *ray, do
 
 void sagi_cap_sample(double z, double radius, double up, sag_vec2 random, sag_surface *surface) {
     double rho = radius * sqrt(random.x), phi = SAGI_TWO_PI * random.y;
-    sagi_cap_place(z, radius, up, rho * cos(phi), rho * sin(phi), surface);
+    sagi_cap_place(z, radius, up, rho * sagi_cos(phi), rho * sagi_sin(phi), surface);
 }
 
 bool sagi_choose(double *random, double fraction) {
@@ -88,18 +89,18 @@ bool sagi_choose(double *random, double fraction) {
 sag_vec3 sagi_axial_closest(double rho0, double z0, double rho1, double z1, double phi_max_rad,
                             sag_vec3 point) {
     double end = sagi_sweep_end(phi_max_rad), own = sagi_sweep_angle(point.x, point.y);
-    double rho = hypot(point.x, point.y), phi = own, x = rho;
+    double rho = sagi_hypot(point.x, point.y), phi = own, x = rho;
     if (own > end) {
         double past = own - end, before = SAGI_TWO_PI - own;
         phi = past < before ? end : 0;
-        x = rho * cos(fmin(past, before));
+        x = rho * sagi_cos(fmin(past, before));
     }
     double dr = rho1 - rho0, dz = z1 - z0;
     double s = ((x - rho0) * dr + (point.z - z0) * dz) / (dr * dr + dz * dz);
     s = s > 0 ? fmin(s, 1) : 0;
     double r = s == 1 ? rho1 : rho0 + s * dr, z = s == 1 ? z1 : z0 + s * dz;
     if (own <= end && rho > 0) return sag_vec3_make(r * (point.x / rho), r * (point.y / rho), z);
-    return sag_vec3_make(r * cos(phi), r * sin(phi), z);
+    return sag_vec3_make(r * sagi_cos(phi), r * sagi_sin(phi), z);
 }
 
 sag_vec3 sagi_nearer(sag_vec3 point, sag_vec3 a, sag_vec3 b) {

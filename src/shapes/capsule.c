@@ -9,6 +9,7 @@
 // does not refuse a crossing to both; as the balls are parts of the capsule, one more of theirs never makes
 // the first entry earlier or the last exit later than it is.
 #include "math/determinant.h"
+#include "math/elementary.h"
 #include "shapes/quadric_solve.h"
 #include "shapes/sphere.h"
 #include "shapes/sweep.h"
@@ -208,7 +209,7 @@ static frame frame_of(const sag_capsule *c) {
 static void texture(const sag_capsule *c, const frame *f, uint32_t part, double height,
                     sag_surface *surface) {
     sag_vec3 n = surface->geometric_normal;
-    double nx = sag_dot(n, f->x), ny = sag_dot(n, f->y), rho = hypot(nx, ny);
+    double nx = sag_dot(n, f->x), ny = sag_dot(n, f->y), rho = sagi_hypot(nx, ny);
     double whole = f->length + 2 * c->radius;
     surface->u = sagi_sweep_angle(nx, ny) / SAGI_TWO_PI;
     surface->v = fmax(0, fmin((height + c->radius) / whole, 1));
@@ -258,7 +259,7 @@ bool sag_capsule_sample(const sag_capsule *capsule, sag_vec2 random, sag_surface
     frame f = frame_of(capsule);
     double r = capsule->radius, phi = random.x * SAGI_TWO_PI;
     double height = random.y * (f.length + 2 * r) - r;
-    sag_vec3 radial = sag_add(sag_scale(f.x, cos(phi)), sag_scale(f.y, sin(phi)));
+    sag_vec3 radial = sag_add(sag_scale(f.x, sagi_cos(phi)), sag_scale(f.y, sagi_sin(phi)));
     uint32_t part = height < 0 ? BALL_0 : height > f.length ? BALL_1 : SIDE;
     sag_vec3 y = sag_madd(sag_scale(radial, r), height, f.z);
     if (part != SIDE) {

@@ -18,6 +18,7 @@
 // middle between the second and the third is not in the lens. Where that cannot be told for certain the two
 // are all but at one place, and it does not matter.
 #include "shapes/closed.h"
+#include "math/elementary.h"
 #include "shapes/cut.h"
 #include "shapes/sweep.h"
 
@@ -165,7 +166,7 @@ size_t sagi_torus_leave_outer(const sag_torus *torus, const sag_ray *ray, sag_hi
     double major = torus->major_radius, minor = torus->minor_radius;
     if (count < 4 || !(major < minor)) return count;
     sag_vec3 p = sag_madd(ray->origin, 0.5 * hits[1].t + 0.5 * hits[2].t, ray->direction);
-    if (!(hypot(hypot(p.x, p.y) + major, p.z) < minor)) return count;
+    if (!(sagi_hypot(sagi_hypot(p.x, p.y) + major, p.z) < minor)) return count;
     hits[1] = hits[3];
     return 2;
 }

@@ -7,6 +7,7 @@
 // span of the ray is in needs no comparison with the apex, where rounding could let a bit of the other nappe
 // through. A span between two roots crosses no apex plane but in the apex itself, so its middle tells. A span
 // without end goes up or down with the sign of d.z.
+#include "math/elementary.h"
 #include "shapes/axial.h"
 #include "shapes/outline.h"
 
@@ -118,7 +119,7 @@ static void face_up(sag_surface *surface) {
 // radius.
 static void texture(const sag_cone *c, sag_surface *surface) {
     sag_vec3 p = surface->position;
-    double sweep = sagi_sweep_end(c->phi_max_rad), rho = hypot(p.x, p.y);
+    double sweep = sagi_sweep_end(c->phi_max_rad), rho = sagi_hypot(p.x, p.y);
     surface->u = sagi_sweep_angle(p.x, p.y) / sweep;
     surface->v = p.z / c->height;
     surface->dpdu = sag_vec3_make(-sweep * p.y, sweep * p.x, 0);
@@ -140,7 +141,7 @@ void sag_cone_surface(const sag_cone *c, const sag_ray *ray, const sag_hit *hit,
 }
 
 static double side_area(const sag_cone *c) {
-    return sagi_sweep_end(c->phi_max_rad) / 2 * c->radius * hypot(c->radius, c->height);
+    return sagi_sweep_end(c->phi_max_rad) / 2 * c->radius * sagi_hypot(c->radius, c->height);
 }
 
 static double cap_area(const sag_cone *c) { return c->closed ? SAGI_PI * c->radius * c->radius : 0; }
@@ -156,7 +157,7 @@ bool sag_cone_sample(const sag_cone *c, sag_vec2 random, sag_surface *surface) {
         double size[2], down = sqrt(random.x), phi = sagi_sweep_end(c->phi_max_rad) * random.y;
         double rho = c->radius * down;
         sagi_quadric_form form = form_of(c, size);
-        sag_vec3 p = {rho * cos(phi), rho * sin(phi), c->height - c->height * down};
+        sag_vec3 p = {rho * sagi_cos(phi), rho * sagi_sin(phi), c->height - c->height * down};
         sagi_quadric_place_point(&form, p, surface);
         face_up(surface);
         texture(c, surface);

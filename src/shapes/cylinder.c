@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The cylinder F = x² + y² − r² between two planes. A ray parallel to the axis has no t² and no t in F: it is
 // inside for all t or for none, and meets only the caps.
+#include "math/elementary.h"
 #include "shapes/axial.h"
 #include "shapes/outline.h"
 
@@ -114,8 +115,8 @@ bool sag_cylinder_sample(const sag_cylinder *c, sag_vec2 random, sag_surface *su
         double radius, phi = sagi_sweep_end(c->phi_max_rad) * random.y;
         sagi_quadric_form form = form_of(c, &radius);
         double z = c->z_min + random.x * (c->z_max - c->z_min);
-        sagi_quadric_place_point(&form, sag_vec3_make(c->radius * cos(phi), c->radius * sin(phi), z),
-                                 surface);
+        sagi_quadric_place_point(
+            &form, sag_vec3_make(c->radius * sagi_cos(phi), c->radius * sagi_sin(phi), z), surface);
         texture(c, surface);
     } else if (sagi_choose(&random.x, 0.5)) {
         sagi_cap_sample(c->z_min, c->radius, -1, random, surface);

@@ -5,6 +5,7 @@
 // With N = (c − o)·n, D = d·n the point is p = o + (N/D) d, so ρ² ≤ r² ⇔ |D (o − c) + N d|² ≤ r² D²: decided
 // to 400 bits where the double p, which is within `werr` of the truth coordinate by coordinate, cannot tell.
 // The sector is decided on the rounded point.
+#include "math/elementary.h"
 #include "shapes/cut.h"
 #include "shapes/validate.h"
 
@@ -42,7 +43,7 @@ static frame frame_of(const sag_disk *disk) {
 
 // The angle in [0, 2π) of an in-plane vector.
 static double angle_of(const frame *f, sag_vec3 w) {
-    double phi = atan2(sag_dot(w, f->y), sag_dot(w, f->x));
+    double phi = sagi_atan2(sag_dot(w, f->y), sag_dot(w, f->x));
     return phi < 0 ? phi + 2 * SAGI_PI : phi;
 }
 
@@ -113,7 +114,7 @@ sag_box3 sag_disk_bounds(const sag_disk *disk) {
     // Along axis i the circle reaches r √(1 − nᵢ²) from the center.
     sag_vec3 n = sag_normalize(disk->normal);
     double r = disk->radius * (1 + 16 * SAGI_EPSILON);
-    sag_vec3 e = {r * hypot(n.y, n.z), r * hypot(n.z, n.x), r * hypot(n.x, n.y)};
+    sag_vec3 e = {r * sagi_hypot(n.y, n.z), r * sagi_hypot(n.z, n.x), r * sagi_hypot(n.x, n.y)};
     return sagi_box3_round_out((sag_box3){sag_sub(disk->center, e), sag_add(disk->center, e)}, 2);
 }
 
@@ -170,7 +171,7 @@ bool sag_disk_sample(const sag_disk *disk, sag_vec2 random, sag_surface *surface
     frame f = frame_of(disk);
     double r2 = disk->inner_radius * disk->inner_radius;
     double rho = sqrt(r2 + random.x * (disk->radius * disk->radius - r2)), phi = random.y * phi_max(disk);
-    sag_vec3 w = sag_add(sag_scale(f.x, rho * cos(phi)), sag_scale(f.y, rho * sin(phi)));
+    sag_vec3 w = sag_add(sag_scale(f.x, rho * sagi_cos(phi)), sag_scale(f.y, rho * sagi_sin(phi)));
     surface->position = sag_add(disk->center, w);
     sag_vec3 size = sag_abs(disk->center);
     surface->position_error =
@@ -182,7 +183,7 @@ bool sag_disk_sample(const sag_disk *disk, sag_vec2 random, sag_surface *surface
 
 // The point of the radial segment at angle φ nearest to the in-plane vector (x, y).
 static sag_vec2 nearest_on_radius(const sag_disk *disk, double phi, double x, double y) {
-    double c = cos(phi), s = sin(phi);
+    double c = sagi_cos(phi), s = sagi_sin(phi);
     double along = fmax(disk->inner_radius, fmin(x * c + y * s, disk->radius));
     return (sag_vec2){along * c, along * s};
 }
@@ -190,7 +191,7 @@ static sag_vec2 nearest_on_radius(const sag_disk *disk, double phi, double x, do
 sag_vec3 sag_disk_closest_point(const sag_disk *disk, sag_vec3 point) {
     frame f = frame_of(disk);
     sag_vec3 w = sag_sub(point, disk->center);
-    double x = sag_dot(w, f.x), y = sag_dot(w, f.y), rho = hypot(x, y);
+    double x = sag_dot(w, f.x), y = sag_dot(w, f.y), rho = sagi_hypot(x, y);
     double sweep = phi_max(disk), phi = rho > 0 ? angle_of(&f, w) : 0;
     sag_vec2 q;
     if (phi <= sweep) { // radially to the ring
@@ -198,7 +199,7 @@ sag_vec3 sag_disk_closest_point(const sag_disk *disk, sag_vec3 point) {
         q = rho > 0 ? (sag_vec2){x * (r / rho), y * (r / rho)} : (sag_vec2){r, 0};
     } else { // to the nearer of the sector's straight edges
         sag_vec2 a = nearest_on_radius(disk, 0, x, y), b = nearest_on_radius(disk, sweep, x, y);
-        q = hypot(x - a.x, y - a.y) <= hypot(x - b.x, y - b.y) ? a : b;
+        q = sagi_hypot(x - a.x, y - a.y) <= sagi_hypot(x - b.x, y - b.y) ? a : b;
     }
     return sag_add(disk->center, sag_add(sag_scale(f.x, q.x), sag_scale(f.y, q.y)));
 }

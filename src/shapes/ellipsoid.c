@@ -7,6 +7,7 @@
 // Area. The map y = r·n from the unit sphere stretches area by J(n) = |(r₁r₂ n₀, r₂r₀ n₁, r₀r₁ n₂)|; its mean
 // over the sphere is Carlson's R_G of the squares (NIST DLMF 19.33.1). A point of the sphere kept with
 // probability J/max J is uniform on the ellipsoid; at least half of them are kept, whatever the radii.
+#include "math/elementary.h"
 #include "shapes/carlson.h"
 #include "shapes/outline.h"
 #include "shapes/quadric_solve.h"
@@ -129,7 +130,7 @@ bool sag_ellipsoid_sample(const sag_ellipsoid *e, sag_vec2 random, sag_surface *
     sagi_stream stream = sagi_stream_of(random);
     for (int i = 0; i < 1000; i++) {
         double z = 2 * random.x - 1, rho = sqrt(fmax(0, (1 - z) * (1 + z))), phi = SAGI_TWO_PI * random.y;
-        n = sag_vec3_make(rho * cos(phi), rho * sin(phi), z);
+        n = sag_vec3_make(rho * sagi_cos(phi), rho * sagi_sin(phi), z);
         if (sagi_stream_unit(&stream) * most <= sag_length(sag_mul(f, n))) break;
         random.x = sagi_stream_unit(&stream), random.y = sagi_stream_unit(&stream);
     }

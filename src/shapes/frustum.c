@@ -2,6 +2,7 @@
 // The frustum of a view as half-spaces. With the unit frame f (forward), r (right) and u (up) the side planes
 // go through the eye; the right one's normal leans by the half angle α from r towards −f: n = r cos α − f sin
 // α is perpendicular to the view's edge f cos α + r sin α and points out of the view.
+#include "math/elementary.h"
 #include "shapes/validate.h"
 
 static sag_half_space through(sag_vec3 point, sag_vec3 normal) {
@@ -9,7 +10,8 @@ static sag_half_space through(sag_vec3 point, sag_vec3 normal) {
 }
 
 static sag_half_space side(sag_vec3 eye, sag_vec3 forward, sag_vec3 outward, double half_angle_rad) {
-    return through(eye, sag_madd(sag_scale(outward, cos(half_angle_rad)), -sin(half_angle_rad), forward));
+    return through(
+        eye, sag_madd(sag_scale(outward, sagi_cos(half_angle_rad)), -sagi_sin(half_angle_rad), forward));
 }
 
 sag_status sag_frustum_planes(sag_vec3 eye, sag_vec3 forward, sag_vec3 up, double half_width_rad,

@@ -11,6 +11,7 @@
 // whose two products may cancel. Its error is relative to them; by 2|x₁Δx Δz ζ| ≤ x₁²Δz² + Δx²ζ² it is
 // covered by the other terms' magnitudes, which is what the solver's bounds are relative to.
 #include "shapes/hyperboloid.h"
+#include "math/elementary.h"
 #include "shapes/outline.h"
 
 static bool is_usable(const sag_hyperboloid *h) { return sag_hyperboloid_validate(h, NULL) == SAG_OK; }
@@ -46,7 +47,7 @@ static sag_vec3 scaled(sag_vec3 p, int exponent) {
 // where that is a cone's apex, ζ counts from there and nothing cancels near it.
 static sagi_quadric_form form_of(const sag_hyperboloid *h, sag_hyperboloid *own) {
     sag_vec3 between = sag_abs(sag_sub(h->p2, h->p1));
-    double rho1 = hypot(h->p1.x, h->p1.y), rho2 = hypot(h->p2.x, h->p2.y);
+    double rho1 = sagi_hypot(h->p1.x, h->p1.y), rho2 = sagi_hypot(h->p2.x, h->p2.y);
     int exponent = sagi_size_exponent(fmax(sag_max_component(between), fmax(rho1, rho2)));
     *own = rho2 < rho1 ? (sag_hyperboloid){.p1 = h->p2, .p2 = h->p1}
                        : (sag_hyperboloid){.p1 = h->p1, .p2 = h->p2};
@@ -85,7 +86,7 @@ sag_status sag_hyperboloid_validate(const sag_hyperboloid *h, sag_error *error) 
 
 sag_box3 sag_hyperboloid_bounds(const sag_hyperboloid *h) {
     if (!is_usable(h)) return sag_box3_empty();
-    double radius = fmax(hypot(h->p1.x, h->p1.y), hypot(h->p2.x, h->p2.y));
+    double radius = fmax(sagi_hypot(h->p1.x, h->p1.y), sagi_hypot(h->p2.x, h->p2.y));
     // A sweep counts from the segment's own angle, which turns along it: the full disk is the box taken.
     return sagi_box3_round_out(sagi_sweep_bounds(0, radius, fmin(h->p1.z, h->p2.z), fmax(h->p1.z, h->p2.z)),
                                4);
@@ -160,8 +161,8 @@ void sagi_hyperboloid_texture(const sag_hyperboloid *h, double s, sag_surface *s
     surface->u = phi / sweep;
     surface->v = s;
     surface->dpdu = sag_vec3_make(-sweep * p.y, sweep * p.x, 0);
-    surface->dpdv = sag_vec3_make(between.x * cos(phi) - between.y * sin(phi),
-                                  between.x * sin(phi) + between.y * cos(phi), between.z);
+    surface->dpdv = sag_vec3_make(between.x * sagi_cos(phi) - between.y * sagi_sin(phi),
+                                  between.x * sagi_sin(phi) + between.y * sagi_cos(phi), between.z);
 }
 
 // The end of the segment that a cap closes.
@@ -174,8 +175,8 @@ void sag_hyperboloid_surface(const sag_hyperboloid *h, const sag_ray *ray, const
                              sag_surface *surface) {
     if (hit->primitive != SAGI_CURVED) {
         sag_vec3 end = end_of(h, hit->primitive);
-        sagi_cap_surface(end.z, hypot(end.x, end.y), hit->primitive == SAGI_CAP_LOW ? -1 : 1, ray, hit->t,
-                         surface);
+        sagi_cap_surface(end.z, sagi_hypot(end.x, end.y), hit->primitive == SAGI_CAP_LOW ? -1 : 1, ray,
+                         hit->t, surface);
     } else if (is_ring(h)) {
         sagi_ring_surface(h, ray, hit, surface);
     } else {
@@ -220,7 +221,8 @@ static void sample_side(const sag_hyperboloid *h, sag_vec2 random, sag_surface *
         s = sagi_profile_invert(&profile, 0, height, random.x) / height;
     }
     double x = (1 - s) * h->p1.x + s * h->p2.x, y = (1 - s) * h->p1.y + s * h->p2.y;
-    sag_vec3 p = {x * cos(phi) - y * sin(phi), x * sin(phi) + y * cos(phi), (1 - s) * h->p1.z + s * h->p2.z};
+    sag_vec3 p = {x * sagi_cos(phi) - y * sagi_sin(phi), x * sagi_sin(phi) + y * sagi_cos(phi),
+                  (1 - s) * h->p1.z + s * h->p2.z};
     if (is_ring(h)) {
         sagi_ring_place(h, p, surface);
     } else {
@@ -241,7 +243,7 @@ bool sag_hyperboloid_sample(const sag_hyperboloid *h, sag_vec2 random, sag_surfa
     } else {
         bool first = sagi_choose(&random.x, one / (one + two)), low = first == (h->p1.z < h->p2.z);
         sag_vec3 end = first ? h->p1 : h->p2;
-        sagi_cap_sample(end.z, hypot(end.x, end.y), low ? -1 : 1, random, surface);
+        sagi_cap_sample(end.z, sagi_hypot(end.x, end.y), low ? -1 : 1, random, surface);
         primitive = low ? SAGI_CAP_LOW : SAGI_CAP_HIGH;
     }
     sagi_surface_finish_sample(surface, primitive);

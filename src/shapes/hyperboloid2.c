@@ -5,6 +5,7 @@
 //
 // Nothing of it is in −c < z < c, so a plane of z_min or z_max in that gap is moved to the middle of it,
 // where it cuts nothing and leaves no doubt at the vertex.
+#include "math/elementary.h"
 #include "shapes/axial.h"
 #include "shapes/revolve.h"
 
@@ -159,7 +160,7 @@ static void sample_sheet(const sag_hyperboloid2 *s, zone z, double sign, sag_vec
     double from = fmin(sign * z.low, sign * z.high) - s->c, to = fmax(sign * z.low, sign * z.high) - s->c;
     double at = sign * (s->c + sagi_profile_invert(&profile, from, to, random.x));
     double rho = radius_at(s, at), phi = sagi_sweep_end(s->phi_max_rad) * random.y;
-    sagi_quadric_place_point(&form, sag_vec3_make(rho * cos(phi), rho * sin(phi), at), surface);
+    sagi_quadric_place_point(&form, sag_vec3_make(rho * sagi_cos(phi), rho * sagi_sin(phi), at), surface);
     texture(s, surface);
 }
 

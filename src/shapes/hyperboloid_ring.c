@@ -3,6 +3,7 @@
 // e the point of its line nearest to the axis: at the radius ρ it is where r = ±√(ρ² − w²). Where the segment
 // passes w, the two sides sweep the same part of the plane; it counts as one surface there, and the place
 // nearer to p₁ that is in the sweep gives u and v. The normal is +z.
+#include "math/elementary.h"
 #include "shapes/hyperboloid.h"
 
 // s along the segment = at + r·per, r the signed distance from the line's foot; foot2 = w².
@@ -11,7 +12,7 @@ typedef struct plan {
 } plan;
 
 static plan plan_of(const sag_hyperboloid *h) {
-    double dx = h->p2.x - h->p1.x, dy = h->p2.y - h->p1.y, length = hypot(dx, dy);
+    double dx = h->p2.x - h->p1.x, dy = h->p2.y - h->p1.y, length = sagi_hypot(dx, dy);
     double ex = dx / length, ey = dy / length, off = h->p1.x * ey - h->p1.y * ex;
     return (plan){-(h->p1.x * ex + h->p1.y * ey) / length, 1 / length, off * off};
 }
@@ -19,7 +20,7 @@ static plan plan_of(const sag_hyperboloid *h) {
 // The place along the segment of the point (x, y) of the plane; −1 when it is not in the swept part.
 static double place_of(const sag_hyperboloid *h, double x, double y) {
     plan p = plan_of(h);
-    double rho1 = hypot(h->p1.x, h->p1.y), rho2 = hypot(h->p2.x, h->p2.y), rho = hypot(x, y);
+    double rho1 = sagi_hypot(h->p1.x, h->p1.y), rho2 = sagi_hypot(h->p2.x, h->p2.y), rho = sagi_hypot(x, y);
     double r = sqrt(fmax(0, rho * rho - p.foot2)), end = sagi_sweep_end(h->phi_max_rad);
     bool passes_foot = p.at > 0 && p.at < 1;
     if (!(rho <= fmax(rho1, rho2)) || (passes_foot ? rho * rho < p.foot2 : rho < fmin(rho1, rho2))) return -1;
@@ -62,7 +63,7 @@ void sagi_ring_surface(const sag_hyperboloid *h, const sag_ray *ray, const sag_h
 static void swept_part(const sag_hyperboloid *h, const plan *p, double *s0, double *s1) {
     *s0 = 0, *s1 = 1;
     if (!(p->at > 0 && p->at < 1)) return;
-    if (hypot(h->p1.x, h->p1.y) > hypot(h->p2.x, h->p2.y))
+    if (sagi_hypot(h->p1.x, h->p1.y) > sagi_hypot(h->p2.x, h->p2.y))
         *s1 = p->at;
     else
         *s0 = p->at;

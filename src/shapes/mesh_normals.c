@@ -2,6 +2,7 @@
 // Vertex normals: around a vertex, each triangle's unit normal counts by the angle it takes up there. Unlike
 // a plain mean or one weighted by area, that does not change when a triangle is cut in two (Thürmer &
 // Wüthrich, "Computing Vertex Normals from Polygonal Facets", JGT 3(1), 1998).
+#include "math/elementary.h"
 #include "shapes/mesh.h"
 
 void sag_mesh_compute_normals(const sag_mesh *mesh, float *normals_f32) {
@@ -13,7 +14,7 @@ void sag_mesh_compute_normals(const sag_mesh *mesh, float *normals_f32) {
         for (int k = 0; k < 3; k++) {
             sag_vec3 to = sag_normalize(sag_sub(p[(k + 1) % 3], p[k]));
             sag_vec3 from = sag_normalize(sag_sub(p[(k + 2) % 3], p[k]));
-            double angle = atan2(sag_length(sag_cross(to, from)), sag_dot(to, from));
+            double angle = sagi_atan2(sag_length(sag_cross(to, from)), sag_dot(to, from));
             float *sum = &normals_f32[3 * (size_t)mesh->triangles[3 * (size_t)i + (size_t)k]];
             sum[0] += (float)(angle * n.x);
             sum[1] += (float)(angle * n.y);

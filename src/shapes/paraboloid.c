@@ -6,6 +6,7 @@
 //     dA = φ ρ √(1 + ρ'²) dz = φ √(k z + k²/4) dz,   A = φ (2/3k) (w₁³ − w₀³),   w² = k z + k²/4,
 // where w₁² − w₀² = k (z₁ − z₀) takes k out: A = φ (2/3) (z₁ − z₀) (w₁² + w₁w₀ + w₀²)/(w₁ + w₀). A uniform
 // point has w³ = w₀³ + ξ (w₁³ − w₀³), and z = z₀ + (w² − w₀²)/k.
+#include "math/elementary.h"
 #include "shapes/axial.h"
 #include "shapes/outline.h"
 
@@ -134,10 +135,10 @@ static void sample_side(const sag_paraboloid *p, sag_vec2 random, sag_surface *s
     double size[2], k = p->radius * (p->radius / p->z_max);
     sagi_quadric_form form = form_of(p, size);
     double w0 = sqrt(k * p->z_min + k * k / 4), w1 = sqrt(k * p->z_max + k * k / 4);
-    double w = cbrt(w0 * w0 * w0 + random.x * (w1 * w1 * w1 - w0 * w0 * w0));
+    double w = sagi_cbrt(w0 * w0 * w0 + random.x * (w1 * w1 * w1 - w0 * w0 * w0));
     double z = fmin(fmax(p->z_min + (w - w0) * (w + w0) / k, p->z_min), p->z_max);
     double rho = radius_at(p, z), phi = sagi_sweep_end(p->phi_max_rad) * random.y;
-    sagi_quadric_place_point(&form, sag_vec3_make(rho * cos(phi), rho * sin(phi), z), surface);
+    sagi_quadric_place_point(&form, sag_vec3_make(rho * sagi_cos(phi), rho * sagi_sin(phi), z), surface);
     texture(p, surface);
 }
 

@@ -14,6 +14,7 @@
 // Sampling takes a face with probability ∝ its area, a line and one of its two crossings at random: a patch
 // gets Σ|n_k| dA, and keeping it with probability 1/Σ|n_k| ≥ 1/√3 makes that dA.
 #include "shapes/quadric_area.h"
+#include "math/elementary.h"
 #include "shapes/stream.h"
 
 #define PI        3.14159265358979323846
@@ -125,8 +126,8 @@ static double along_v(const view *s, double u) {
         for (int part = 0; part < 4 && half > 0; part++)
             for (int k = 0; k < 10; k++) {
                 double node = k < 5 ? nodes[k] : -nodes[k - 5], theta = PI / 4 * (part + 0.5 + 0.5 * node);
-                sum +=
-                    PI / 8 * weights[k % 5] * half * sin(theta) * integrand(s, u, middle - half * cos(theta));
+                sum += PI / 8 * weights[k % 5] * half * sagi_sin(theta) *
+                       integrand(s, u, middle - half * sagi_cos(theta));
             }
         from = to;
     }

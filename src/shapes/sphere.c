@@ -8,6 +8,7 @@
 // within which the filter of the solver cannot tell on which side of the sphere a point is; so a spawned ray
 // is rejected at once.
 #include "shapes/sphere.h"
+#include "math/elementary.h"
 #include "shapes/quadric_solve.h"
 #include "shapes/sweep.h"
 
@@ -119,9 +120,9 @@ void sagi_sphere_place(sag_vec3 center, double radius, const sag_ray *ray, doubl
 
 // u is the longitude about y from −z, v the latitude: l = r (cos β sin α, sin β, cos β cos α).
 void sagi_sphere_texture(sag_vec3 l, sag_surface *surface) {
-    double h = hypot(l.x, l.z);
-    surface->u = (atan2(l.x, l.z) + SAGI_PI) / SAGI_TWO_PI;
-    surface->v = (atan2(l.y, h) + SAGI_PI / 2) / SAGI_PI;
+    double h = sagi_hypot(l.x, l.z);
+    surface->u = (sagi_atan2(l.x, l.z) + SAGI_PI) / SAGI_TWO_PI;
+    surface->v = (sagi_atan2(l.y, h) + SAGI_PI / 2) / SAGI_PI;
     surface->dpdu = sag_vec3_make(SAGI_TWO_PI * l.z, 0, -SAGI_TWO_PI * l.x);
     surface->dpdv = sag_scale(sag_vec3_make(-l.y * (l.x / h), h, -l.y * (l.z / h)), SAGI_PI);
 }
@@ -129,9 +130,9 @@ void sagi_sphere_texture(sag_vec3 l, sag_surface *surface) {
 // pbrt's: l = r (sin θ cos φ, sin θ sin φ, cos θ), θ from θ(z_min) to θ(z_max), so growing with z.
 static void texture_of_sweep(const sag_sphere *s, sag_vec3 l, sag_surface *surface) {
     double r = s->radius, sweep = sagi_sweep_end(s->phi_max_rad);
-    double theta0 = acos(bottom(s) / r), theta1 = acos(top(s) / r), rho = hypot(l.x, l.y);
+    double theta0 = sagi_acos(bottom(s) / r), theta1 = sagi_acos(top(s) / r), rho = sagi_hypot(l.x, l.y);
     surface->u = sagi_sweep_angle(l.x, l.y) / sweep;
-    surface->v = (atan2(rho, l.z) - theta0) / (theta1 - theta0);
+    surface->v = (sagi_atan2(rho, l.z) - theta0) / (theta1 - theta0);
     surface->dpdu = sag_vec3_make(-sweep * l.y, sweep * l.x, 0);
     surface->dpdv = sag_scale(sag_vec3_make(l.z * (l.x / rho), l.z * (l.y / rho), -rho), theta1 - theta0);
 }
@@ -161,7 +162,7 @@ sag_vec3 sagi_sphere_sample(sag_vec3 center, double radius, double z_min, double
                             sag_vec2 random, sag_surface *surface) {
     double z = z_min + random.x * (z_max - z_min), phi = random.y * phi_max;
     double rho = sqrt(fmax(0, (radius - z) * (radius + z)));
-    sag_vec3 offset = {rho * cos(phi), rho * sin(phi), z};
+    sag_vec3 offset = {rho * sagi_cos(phi), rho * sagi_sin(phi), z};
     place(center, radius, offset, surface);
     return offset;
 }

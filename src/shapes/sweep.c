@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "shapes/sweep.h"
+#include "math/elementary.h"
 #include "shapes/quadric_solve.h"
 
 bool sagi_sweep_holds(double phi_max_rad, sag_vec3 center, const sag_ray *ray, double t) {
@@ -12,12 +13,12 @@ bool sagi_sweep_holds(double phi_max_rad, sag_vec3 center, const sag_ray *ray, d
 sag_box3 sagi_sweep_bounds(double phi_max_rad, double radius, double z_min, double z_max) {
     double end = sagi_sweep_end(phi_max_rad), r = radius;
     sag_box3 box = {{-r, -r, z_min}, {r, r, z_max}};
-    if (end < SAGI_PI) box.min.x = fmin(0, r * cos(end));
-    if (end < SAGI_PI / 2) box.max.y = r * sin(end);
+    if (end < SAGI_PI) box.min.x = fmin(0, r * sagi_cos(end));
+    if (end < SAGI_PI / 2) box.max.y = r * sagi_sin(end);
     if (end <= SAGI_PI)
         box.min.y = 0;
     else if (end < SAGI_PI * 3 / 2)
-        box.min.y = r * sin(end);
+        box.min.y = r * sagi_sin(end);
     return box;
 }
 

@@ -3,6 +3,7 @@
 #ifndef SAGI_SHAPES_SWEEP_H
 #define SAGI_SHAPES_SWEEP_H
 
+#include "math/elementary.h"
 #include "shapes/common.h"
 #include "shapes/validate.h"
 
@@ -19,7 +20,7 @@ static inline bool sagi_sweep_is_full(double phi_max_rad) {
 
 // φ of (x, y) in [0, 2π).
 static inline double sagi_sweep_angle(double x, double y) {
-    double phi = atan2(y, x);
+    double phi = sagi_atan2(y, x);
     if (phi < 0) phi += SAGI_TWO_PI;
     return phi < SAGI_TWO_PI ? phi : 0;
 }

@@ -8,6 +8,7 @@
 // = −R/r; β = π for a ring) the integral is R ψ + r sin ψ: increasing on the outer sheet |ψ| ≤ β, decreasing
 // on the inner one. Both are monotone, so bisection with Newton's steps inverts them.
 #include "shapes/torus.h"
+#include "math/elementary.h"
 #include "shapes/sphere.h"
 #include "shapes/sweep.h"
 #include "shapes/validate.h"
@@ -66,13 +67,13 @@ size_t sag_torus_crossings(const sag_torus *torus, const sag_ray *ray, sag_hit *
 // Whether a point of a spindle is on its inner sheet rather than its outer one.
 static bool is_inner(const sag_torus *torus, double rho, double z) {
     if (!is_spindle(torus)) return false;
-    double outer = hypot(rho - torus->major_radius, z), inner = hypot(rho + torus->major_radius, z);
+    double outer = sagi_hypot(rho - torus->major_radius, z), inner = sagi_hypot(rho + torus->major_radius, z);
     return fabs(inner - torus->minor_radius) < fabs(outer - torus->minor_radius);
 }
 
 // Normal, texture coordinates and derivatives from the directions: (c, s) of φ, and (cos ψ, sin ψ) by (a, b).
 static void finish(const sag_torus *torus, double c, double s, double a, double b, sag_surface *surface) {
-    double length = hypot(a, b);
+    double length = sagi_hypot(a, b);
     if (length > 0)
         a /= length, b /= length;
     else // where a horn torus' tube closes on the axis: its inner side
@@ -113,12 +114,12 @@ void sag_torus_surface(const sag_torus *torus, const sag_ray *ray, const sag_hit
 
 // ψ where the outer sheet ends.
 static double sheet_end(const sag_torus *torus) {
-    return is_spindle(torus) ? acos(-torus->major_radius / torus->minor_radius) : SAGI_PI;
+    return is_spindle(torus) ? sagi_acos(-torus->major_radius / torus->minor_radius) : SAGI_PI;
 }
 
 // ∫ (R + r cos ψ) dψ from 0.
 static double cumulative(const sag_torus *torus, double psi) {
-    return torus->major_radius * psi + torus->minor_radius * sin(psi);
+    return torus->major_radius * psi + torus->minor_radius * sagi_sin(psi);
 }
 
 double sag_torus_area(const sag_torus *torus) {
@@ -140,7 +141,7 @@ static double invert(const sag_torus *torus, double low, double high, double tar
             low = psi;
         else
             high = psi;
-        double next = psi - error / (torus->major_radius + torus->minor_radius * cos(psi));
+        double next = psi - error / (torus->major_radius + torus->minor_radius * sagi_cos(psi));
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (fabs(next - psi) <= 0x1p-52) return next;
         psi = next;
@@ -159,7 +160,8 @@ bool sag_torus_sample(const sag_torus *torus, sag_vec2 random, sag_surface *surf
         psi = invert(torus, 0, end, fmin(at, outer));
     else
         psi = invert(torus, end, SAGI_PI, fmax(outer - (at - outer), cumulative(torus, SAGI_PI)));
-    double phi = random.x * SAGI_TWO_PI, a = cos(psi), b = sign * sin(psi), c = cos(phi), s = sin(phi);
+    double phi = random.x * SAGI_TWO_PI, a = sagi_cos(psi), b = sign * sagi_sin(psi), c = sagi_cos(phi),
+           s = sagi_sin(phi);
     double ring = torus->major_radius + torus->minor_radius * a;
     surface->position = (sag_vec3){ring * c, ring * s, torus->minor_radius * b};
     double error = 16 * SAGI_EPSILON * (torus->major_radius + torus->minor_radius);
@@ -186,23 +188,23 @@ double sag_torus_volume(const sag_torus *torus) {
     // Pappus for a ring: 2πR · πr². The outer sheet of a spindle, turned about the axis: ∫ π x² dz, z = r sin
     // ψ, = 2π ∫₀^β (R + r cos ψ)² r cos ψ dψ, less what lies beyond the axis, which β leaves out.
     double major = torus->major_radius, r = torus->minor_radius, b = sheet_end(torus);
-    double s = sin(b), c = cos(b);
+    double s = sagi_sin(b), c = sagi_cos(b);
     // ∫ cos = s, ∫ cos² = (b + s c)/2, ∫ cos³ = s − s³/3
     double integral = major * major * s + major * r * (b + s * c) + r * r * (s - s * s * s / 3);
     return SAGI_TWO_PI * r * integral;
 }
 
 sag_vec3 sag_torus_closest_point(const sag_torus *torus, sag_vec3 p) {
-    double rho = hypot(p.x, p.y), c = rho > 0 ? p.x / rho : 1, s = rho > 0 ? p.y / rho : 0;
+    double rho = sagi_hypot(p.x, p.y), c = rho > 0 ? p.x / rho : 1, s = rho > 0 ? p.y / rho : 0;
     double major = torus->major_radius, r = torus->minor_radius;
     // In the half-plane of p: towards the near circle, or, for a spindle, perhaps the far one's inner sheet.
     double best = INFINITY;
     sag_vec3 nearest = p;
     for (int side = 1; side >= (is_spindle(torus) ? -1 : 1); side -= 2) {
-        double dx = rho - side * major, length = hypot(dx, p.z);
+        double dx = rho - side * major, length = sagi_hypot(dx, p.z);
         double ux = length > 0 ? dx / length : side, uz = length > 0 ? p.z / length : 0;
         double x = side * major + r * ux, z = r * uz;
-        double distance = hypot(x - rho, z - p.z);
+        double distance = sagi_hypot(x - rho, z - p.z);
         if (distance < best) best = distance, nearest = (sag_vec3){x * c, x * s, z};
     }
     return nearest;
