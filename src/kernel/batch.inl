@@ -12,7 +12,10 @@
 // (send), and only what is rare is a branch. And it looks ahead some 300 instructions at most, less than
 // three steps: so a step is cut in two where most of its waiting is, and each half is done for all rays in a
 // row.
+#include "kernel/put_off.inl"
+
 #include "kernel/packet.inl"
+#include "kernel/solid_batch.inl"
 
 #define FLIGHTS       16
 #define FLIGHT_STACK  96 // a ray that needs more goes on alone
@@ -44,8 +47,10 @@ typedef enum errand { AT_NODE, AT_LEAF, AT_LOOK, AT_MET, AT_END, ERRAND_COUNT } 
 typedef struct crowd {
     const sagi_world *world;
     const sag_ray *rays;
-    sag_hit *hits; // CLOSEST
-    bool *dark;    // ANY
+    sag_hit *hits;  // CLOSEST
+    bool *dark;     // ANY
+    bool *doubtful; // of a mesh within a solid: whether the hit is not one crossing and alone; else NULL
+    later *later;   // or NULL
     size_t count, begun;
     uint16_t *number; // which rays, count of them
     struct {          // of nodes and leaves
@@ -119,6 +124,8 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         }
         if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
         s->found = false, s->both_sides = false, s->path_length = 0, s->grain = s->reach = 0;
+        s->later = c->later;
+        if (c->doubtful != NULL) s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
         enter(&f->here, c->world, &c->rays[f->ray], s);
         bool over;
         if (come_to_tree(asked, &f->here, &over)) {
@@ -132,6 +139,8 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
 }
 
 SAGI_INLINE void end(question asked, crowd *c, flight *f) {
+    if (asked == CLOSEST && c->doubtful != NULL)
+        c->doubtful[f->ray] = f->search.found && (f->search.near || !f->search.odd);
     write_answer(asked, c, f->ray, f->search.found);
     begin(asked, c, f);
 }
@@ -300,31 +309,46 @@ SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     }
 }
 
-// Sixteen neighbours that run alike walk the tree as one (packet.inl); the others make up the crowd.
-#define CROWD 1024
-
-static void intersect_batch(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count) {
-    if (world->solid != NULL) { // has no tree of primitives
-        for (size_t i = 0; i < count; i++)
-            if (!intersect(world, &rays[i], &hits[i]))
-                hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
-        return;
-    }
+// Sixteen neighbours that run alike walk the tree as one (packet.inl); the others make up the crowd. doubtful
+// (or NULL): as in crowd.
+static void intersect_all_of(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count,
+                             bool *doubtful) {
     uint16_t number[CROWD];
     packet_luck luck = {0};
+    later put;
     crowd c;
     c.world = world, c.number = number, c.dark = NULL;
+    c.later = doubtful == NULL && world->instance_levels > 0 ? &put : NULL;
     for (size_t first = 0, end; first < count; first = end) {
         end = count - first < CROWD ? count : first + CROWD;
-        c.rays = rays + first, c.hits = hits + first, c.count = 0;
+        c.rays = put.rays = rays + first, c.hits = hits + first, c.count = 0;
+        c.doubtful = doubtful != NULL ? doubtful + first : NULL;
+        put.count = 0;
         for (size_t i = first, next; i < end; i = next) {
+            const uint32_t put_before = put.count;
             next = end - i < PACKET_RAYS ? end : i + PACKET_RAYS;
-            uint32_t left = next - i == PACKET_RAYS ? packet_intersect(world, rays + i, hits + i, &luck)
-                                                    : (1U << (next - i)) - 1;
+            uint32_t left = (1U << (next - i)) - 1;
+            if (next - i == PACKET_RAYS)
+                left = packet_intersect(world, rays + i, hits + i, doubtful != NULL ? doubtful + i : NULL,
+                                        c.later, &luck);
+            if (put.count > put_before) forget_put_off(&put, put_before, (uint32_t)(i - first), left);
             for (; left != 0; left &= left - 1)
                 number[c.count++] = (uint16_t)(i - first + (size_t)__builtin_ctz(left));
         }
         trace_crowd(CLOSEST, &c);
+        if (put.count > 0) take_up(world, &put, hits + first);
+    }
+}
+
+static void intersect_batch(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count) {
+    if (world->carved != NULL) {
+        intersect_carved(world, rays, hits, count);
+    } else if (world->solid == NULL) {
+        intersect_all_of(world, rays, hits, count, NULL);
+    } else { // has no tree of primitives
+        for (size_t i = 0; i < count; i++)
+            if (!intersect(world, &rays[i], &hits[i]))
+                hits[i] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
     }
 }
 
@@ -335,7 +359,7 @@ static void occluded_batch(const sagi_world *world, const sag_ray *rays, bool *d
     }
     uint16_t number[CROWD];
     crowd c;
-    c.world = world, c.number = number, c.hits = NULL;
+    c.world = world, c.number = number, c.hits = NULL, c.doubtful = NULL, c.later = NULL;
     for (size_t first = 0; first < count; first += c.count) {
         c.rays = rays + first, c.dark = dark + first;
         c.count = count - first < CROWD ? count - first : CROWD;

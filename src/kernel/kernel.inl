@@ -18,6 +18,7 @@
 #include "shapes/spheres.h"
 #include "shapes/triangle_solve.h"
 #include "shapes/user.h"
+#include "solid/carved.h"
 #include "solid/tree.h"
 #include <string.h>
 
@@ -27,6 +28,8 @@
 #endif
 
 typedef enum question { CLOSEST, ANY, ALL } question;
+
+typedef struct later later;
 
 // What is asked, and the answer so far.
 typedef struct search {
@@ -41,6 +44,7 @@ typedef struct search {
     bool both_sides;             // see sagi_kernel
     uint32_t path_length;
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
+    later *later; // of a batch (put_off.inl), else NULL
 } search;
 
 // A certain hit that waits (triangles.inl, spheres.inl).
@@ -136,6 +140,8 @@ static bool search_solid(question asked, level *here);
 static bool run_solid(question asked, level *here, bool *inside);
 static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
                         size_t capacity);
+static inline bool can_wait(const sagi_item *item);
+static bool put_off(const level *here, uint32_t geometry);
 
 #include "kernel/triangles.inl"
 
@@ -287,6 +293,7 @@ static bool walk_all(level *here) { return walk(ALL, here); }
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
     s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
+    s.later = NULL;
     level here;
     enter(&here, world, ray, &s);
     if (world->solid != NULL)
@@ -298,7 +305,7 @@ static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit)
 
 static bool occluded(const sagi_world *world, const sag_ray *ray) {
     search s;
-    s.found = false, s.both_sides = false, s.path_length = 0;
+    s.found = false, s.both_sides = false, s.path_length = 0, s.later = NULL;
     level here;
     enter(&here, world, ray, &s);
     return world->solid != NULL ? search_solid(ANY, &here) : walk(ANY, &here);

@@ -92,6 +92,9 @@ static inline bool instance_run(question asked, level *here, const sagi_bvh_refe
     for (uint32_t i = 0; i < count; i++) {
         const sagi_item *item = &here->world->items[refs[i].geometry];
         local_ray at = {.item = NULL};
+        if (asked == CLOSEST && s->later != NULL && can_wait(item) && sees(here, item) &&
+            put_off(here, refs[i].geometry))
+            continue;
         const sag_ray *ray = sees(here, item) ? local(here, item, &at) : NULL;
         if (ray == NULL) continue;
         level below;

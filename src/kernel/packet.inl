@@ -60,13 +60,17 @@ typedef struct packet {
     uint32_t work;      // done so far
     uint32_t block_count;
     const sagi_block *blocks[PACKET_BLOCKS];
+    later *later;   // of the batch, or NULL
+    bool *doubtful; // of a mesh within a solid, else NULL: as in crowd (batch.inl)
 } packet;
 
 static inline sagi_l4 bits_at(const sag_ray *ray, size_t offset) {
     return (sagi_l4)sagi_d4_load((const char *)ray + offset);
 }
 
-// Fills in the packet, and the ray that walks for it. False when the rays are no packet.
+// Fills in the packet, and the ray that walks for it. False when the rays are no packet. Within a solid hits
+// closer to each other than 2⁻⁴⁸ (|t| + |o|∞/|d|∞) are not certain: in τ, that is at most 130 and twice |o|∞
+// in these units.
 SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world *world, const sag_ray *rays,
                              sag_hit *hits) {
     // Equal: the origins, t_min, t_max and masks. Directions: their bounds. (A sum has a NaN if one is
@@ -134,6 +138,8 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
     walker->from = (float)(first * (1 - 0x1p-22)) + 0.0F; // not −0
     p->t_min = first, p->last = (float)(last * (1 - 0x1p-22)), p->unit = unit;
     p->error = 0x1p-43 + spread;
+    if (p->doubtful != NULL)
+        p->error += 0x1p-47 * (65 + largest_of_three(sagi_d4_abs(sagi_d4_load(&ray->origin))) * world->scale);
     p->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;
     p->undecided = 0, p->work = 0, p->block_count = 0, p->turned = false;
     const f8x3 c = fill3(p->c_float);
@@ -292,12 +298,14 @@ static uint32_t solve_spheres(const packet *p, const uint32_t *which, uint32_t c
 static void packet_solve(const packet *p, uint32_t rays, sagi_block_kind kind) {
     uint32_t which[PACKET_RAYS], count = 0;
     for (; rays != 0; rays &= rays - 1) which[count++] = (uint32_t)__builtin_ctz(rays);
+    for (uint32_t i = 0; i < count && p->doubtful != NULL; i++) p->doubtful[which[i]] = false;
     for (uint32_t i = 0; i < count; i += 4) {
         const uint32_t n = count - i < 4 ? count - i : 4;
         uint32_t left =
             kind == SAGI_BLOCK_TRIANGLES ? solve_triangles(p, which + i, n) : solve_spheres(p, which + i, n);
         for (left ^= (1U << n) - 1; left != 0; left &= left - 1) {
             const uint32_t r = which[i + (uint32_t)__builtin_ctz(left)];
+            if (p->doubtful != NULL) p->doubtful[r] = true;
             if (!intersect(p->world, &p->rays[r], &p->hits[r]))
                 p->hits[r] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
         }
@@ -307,8 +315,8 @@ static void packet_solve(const packet *p, uint32_t rays, sagi_block_kind kind) {
 #define PACKET_ALL ((uint32_t)((UINT64_C(1) << PACKET_RAYS) - 1))
 
 // The closest hits of PACKET_RAYS rays, except those it returns, which are all when they are no packet.
-static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, sag_hit *hits,
-                                 packet_luck *luck) {
+static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, sag_hit *hits, bool *doubtful,
+                                 later *put, packet_luck *luck) {
     if (luck->wait > 0) {
         luck->wait--;
         return PACKET_ALL;
@@ -316,6 +324,7 @@ static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, s
     if (world->tree.node_count == 0) return PACKET_ALL;
     packet p;
     sagi_float_ray walker;
+    p.doubtful = doubtful, p.later = put;
     if (!packet_make(&p, &walker, world, rays, hits)) {
         note_luck(luck, true);
         return PACKET_ALL;

@@ -28,6 +28,7 @@ static __attribute__((noinline)) void packet_ask(packet *p, const sagi_bvh_refer
         sag_hit hit;
         search s;
         s.best = &hit, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
+        s.later = NULL;
         level here;
         enter(&here, p->world, &p->rays[i], &s);
         here.t_max = p->t_max[i / 4][i % 4];
@@ -42,5 +43,6 @@ static __attribute__((noinline)) void packet_references(packet *p, const sagi_bv
     for (size_t i = 0; i < PACKET_GROUPS; i++)
         rays |= sagi_i8_mask(sagi_f8_at_most(sagi_f8_fill(begin), p->limit[i])) << 8 * i;
     p->work++;
-    packet_ask(p, refs, count, rays);
+    if (!put_off_all(p->later, p->world, p->mask, refs, count, p->rays, rays))
+        packet_ask(p, refs, count, rays);
 }

@@ -100,7 +100,7 @@ static inline void search_below(const solid_walk *w, search *s, sag_hit *hit) {
     const search *above = w->here->search;
     s->best = hit, s->found = false, s->both_sides = true;
     s->repeats.again = false;
-    s->grain = s->reach = 0;
+    s->grain = s->reach = 0, s->later = NULL;
     s->path_length = above->path_length;
     for (uint32_t i = 0; i < s->path_length; i++) s->path[i] = above->path[i];
 }

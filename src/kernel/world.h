@@ -9,7 +9,8 @@
 #include <sagitta/scene.h>
 
 typedef struct sagi_world sagi_world;
-typedef struct sagi_solid sagi_solid; // solid/tree.h
+typedef struct sagi_solid sagi_solid;   // solid/tree.h
+typedef struct sagi_carved sagi_carved; // solid/carved.h
 
 // Where a geometry or instance stands.
 typedef struct sagi_place {
@@ -44,7 +45,8 @@ struct sagi_world {
     // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing
     // here has a transform (ray.h).
     double spread_relative, spread_absolute;
-    const sagi_solid *solid; // of a solid: its tree; else NULL
+    const sagi_solid *solid;   // of a solid: its tree; else NULL
+    const sagi_carved *carved; // of a mesh with parts cut out of it; else NULL
 };
 
 #endif

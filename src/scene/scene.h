@@ -13,6 +13,7 @@
 #include "kernel/kernel.h"
 #include "shapes/outline.h"
 #include "shapes/sphere.h"
+#include "solid/carved.h"
 #include "solid/tree.h"
 #include <stdatomic.h>
 #include <time.h>
@@ -97,6 +98,7 @@ struct sagi_snapshot {
     double radius;        // the largest coordinate of stats.bounds
     sagi_solid *solid;    // world.solid
     sag_box3 *part_boxes; // where each part matters
+    sagi_carved *carved;  // world.carved
 };
 
 // A snapshot of `count` empty entries, not yet with a tree; NULL when memory is short.

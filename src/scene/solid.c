@@ -91,6 +91,34 @@ static sag_box3 box_of(const sagi_snapshot *s, uint32_t id) {
     return sag_box3_empty();
 }
 
+// What batches want to know of a mesh with cutters.
+static sag_status set_carved(sagi_snapshot *s) {
+    const uint32_t part = sagi_carved_part(s->solid);
+    if (part == SAG_INVALID_ID) return SAG_OK;
+    const uint32_t id = sagi_solid_parts(s->solid)[part].geometry;
+    const sagi_item *mesh = &s->items[id];
+    if (!s->entries[id].present || mesh->kind != SAG_SHAPE_MESH || mesh->child->tree.node_count == 0 ||
+        mesh->child->unbounded_count > 0 || mesh->child->tree.repeats ||
+        ((const sag_mesh *)mesh->shape)->one_sided)
+        return SAG_OK;
+    sagi_carved *carved = sag_allocate(s->context, sizeof *carved);
+    if (carved == NULL) return SAG_ERROR_MEMORY;
+    *carved = (sagi_carved){.geometry = id};
+    bool good = true;
+    for (uint32_t i = 0, count = 0; i < s->solid->part_count && good; i++) {
+        const sagi_item *item = &s->items[sagi_solid_parts(s->solid)[i].geometry];
+        if (i == part || sag_box3_is_empty(&s->part_boxes[i])) continue;
+        const sag_sphere *ball = sagi_is_lone_sphere(item) ? item->shape : NULL;
+        good = sagi_carved_add(carved, count++, &s->part_boxes[i], ball ? ball->center : (sag_vec3){0, 0, 0},
+                               ball ? ball->radius : INFINITY);
+    }
+    if (good)
+        s->world.carved = s->carved = carved;
+    else
+        sag_release(s->context, carved, sizeof *carved);
+    return SAG_OK;
+}
+
 sag_status sagi_snapshot_measure_parts(sagi_snapshot *s, const sagi_snapshot *before, sag_error *error) {
     const sagi_solid *solid = s->solid;
     const sagi_solid_part *parts = sagi_solid_parts(solid);
@@ -107,5 +135,6 @@ sag_status sagi_snapshot_measure_parts(sagi_snapshot *s, const sagi_snapshot *be
     }
     if (status == SAG_OK) sagi_solid_clip_boxes(solid, s->part_boxes, node_box);
     sag_release(s->context, node_box, bytes);
+    if (status == SAG_OK) status = set_carved(s);
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory for a solid");
 }
