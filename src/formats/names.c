@@ -12,10 +12,6 @@ struct sagi_name {
     uint32_t value;
 };
 
-bool sagi_slice_is(sagi_slice slice, const char *text) {
-    return strlen(text) == slice.length && (slice.length == 0 || memcmp(slice.text, text, slice.length) == 0);
-}
-
 static uint64_t hash_of(sagi_slice name) {
     uint64_t hash = 14695981039346656037u;
     for (size_t i = 0; i < name.length; i++) hash = (hash ^ (uint8_t)name.text[i]) * 1099511628211u;

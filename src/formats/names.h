@@ -4,6 +4,7 @@
 #define SAGI_FORMATS_NAMES_H
 
 #include <sagitta/base.h>
+#include <string.h>
 
 // A piece of text that lives elsewhere; no zero byte ends it.
 typedef struct sagi_slice {
@@ -11,7 +12,11 @@ typedef struct sagi_slice {
     size_t length;
 } sagi_slice;
 
-bool sagi_slice_is(sagi_slice slice, const char *text);
+// In line: a word is looked for among many, and most differ in their first letter.
+static inline bool sagi_slice_is(sagi_slice slice, const char *text) {
+    if (slice.length == 0 || slice.text[0] != text[0]) return slice.length == 0 && text[0] == '\0';
+    return strlen(text) == slice.length && memcmp(slice.text, text, slice.length) == 0;
+}
 
 // Zero-initialised but for the context: empty.
 typedef struct sagi_names {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The reader of pbrt-v4 scenes, in the order a scene goes through it: pbrt_text (tokens, parameters),
 // pbrt_load (files, directives), pbrt_blocks (blocks, transforms), pbrt_settings (camera, film …),
-// pbrt_texture, pbrt_material, pbrt_light, pbrt_shape and pbrt_mesh, pbrt_object (objects and their
-// instances), pbrt_solid.
+// pbrt_texture, pbrt_material, pbrt_light, pbrt_shape and pbrt_mesh, pbrt_later (meshes on all threads),
+// pbrt_object (objects and their instances), pbrt_solid.
 #ifndef SAGI_FORMATS_PBRT_H
 #define SAGI_FORMATS_PBRT_H
 
@@ -127,6 +127,9 @@ typedef struct sagi_pbrt {
     sag_scene *scene; // shapes go there: the world's, an object's or a solid's
     bool in_object;
     sagi_solid_reader solid;
+    struct sagi_waiting *waiting; // pbrt_later.c
+    size_t waiting_count, waiting_allocated, waiting_bytes;
+    bool catching_up;
 } sagi_pbrt;
 
 // "file:line:col: warning: …" to the log.
@@ -141,6 +144,9 @@ bool sagi_pbrt_reserve(sagi_pbrt *p, void **items, size_t *allocated, size_t cou
 // The parameters that follow, and those Attribute has set for the target; `format` says for what they are.
 sag_status sagi_pbrt_parameters(sagi_pbrt *p, sagi_place place, sagi_target target, const char *format, ...)
     SAG_PRINTF(4, 5);
+// The same for: directive "name"; quickly.
+sag_status sagi_pbrt_parameters_of(sagi_pbrt *p, sagi_place place, sagi_target target, const char *directive,
+                                   const char *name);
 // To be called when all have been looked up: warns of those nobody asked for and returns the list's status.
 sag_status sagi_pbrt_parameters_done(sagi_pbrt *p);
 // Marks parameters that are known and have no effect here; with a reason they are warned of, once each.

@@ -5,6 +5,7 @@
 #include "formats/pbrt.h"
 
 #include "formats/pbrt_blocks.h"
+#include "formats/pbrt_later.h"
 #include "formats/pbrt_solid.h"
 
 #include <stdarg.h>
@@ -16,9 +17,10 @@
 
 static void warn(sagi_pbrt *p, sagi_place place, const char *message) {
     int line, column;
+    char text[SAGI_MAX_PATH + 512];
     sagi_place_find(place, &line, &column);
-    sag_context_log(p->context, SAG_LOG_WARNING, "%s:%d:%d: warning: %s", place.source->path, line, column,
-                    message);
+    snprintf(text, sizeof text, "%s:%d:%d: warning: %s", place.source->path, line, column, message);
+    if (!sagi_pbrt_message_later(p, text)) sag_context_log(p->context, SAG_LOG_WARNING, "%s", text);
 }
 
 void sagi_pbrt_warn(sagi_pbrt *p, sagi_place place, const char *format, ...) {
@@ -60,12 +62,8 @@ bool sagi_pbrt_reserve(sagi_pbrt *p, void **items, size_t *allocated, size_t cou
 
 // ---- parameters
 
-sag_status sagi_pbrt_parameters(sagi_pbrt *p, sagi_place place, sagi_target target, const char *format, ...) {
+static sag_status parse_parameters(sagi_pbrt *p, sagi_place place, sagi_target target) {
     sagi_params *params = &p->params;
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(params->what, sizeof params->what, format, arguments);
-    va_end(arguments);
     params->place = place;
     params->error = p->error;
     sag_status status = sagi_params_parse(params, &p->files[p->file_count - 1], false);
@@ -79,6 +77,27 @@ sag_status sagi_pbrt_parameters(sagi_pbrt *p, sagi_place place, sagi_target targ
     }
     for (size_t i = own; i < params->count; i++) params->items[i].used = true; // for some shapes only
     return status;
+}
+
+sag_status sagi_pbrt_parameters(sagi_pbrt *p, sagi_place place, sagi_target target, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(p->params.what, sizeof p->params.what, format, arguments);
+    va_end(arguments);
+    return parse_parameters(p, place, target);
+}
+
+sag_status sagi_pbrt_parameters_of(sagi_pbrt *p, sagi_place place, sagi_target target, const char *directive,
+                                   const char *name) {
+    char *at = p->params.what;
+    const char *const parts[] = {directive, " \"", name, "\""};
+    for (int i = 0; i < 4; i++) {
+        const size_t length = strnlen(parts[i], 60);
+        memcpy(at, parts[i], length);
+        at += length;
+    }
+    *at = '\0';
+    return parse_parameters(p, place, target);
 }
 
 sag_status sagi_pbrt_parameters_done(sagi_pbrt *p) {
@@ -349,7 +368,9 @@ static sag_status read_all(sagi_pbrt *p) {
         sag_status status = sagi_cursor_next(&p->files[p->file_count - 1], &token, p->error);
         if (status != SAG_OK) return status;
         if (token.kind != SAGI_TOKEN_END) {
-            if ((status = read_directive(p, &token)) != SAG_OK) return status;
+            status = read_directive(p, &token);
+            if (status == SAG_OK) status = sagi_pbrt_catch_up_partly(p);
+            if (status != SAG_OK) return status;
             continue;
         }
         if (p->is_import[p->file_count - 1] &&
@@ -359,6 +380,16 @@ static sag_status read_all(sagi_pbrt *p) {
             return sagi_place_error(token.place, p->error, "the scene ends without WorldBegin");
     }
     return sagi_pbrt_check_closed(p);
+}
+
+// The same with the meshes that have waited. One that is wrong comes before what went wrong after it.
+static sag_status read_everything(sagi_pbrt *p) {
+    const sag_status status = read_all(p);
+    const sag_error error = *p->error;
+    const sag_status before = sagi_pbrt_catch_up(p);
+    if (before != SAG_OK) return before;
+    *p->error = error;
+    return status;
 }
 
 static void clear(sagi_pbrt *p) {
@@ -380,6 +411,7 @@ static void clear(sagi_pbrt *p) {
     sag_release(p->context, p->object_parts, p->object_part_allocated * sizeof *p->object_parts);
     sag_release(p->context, p->systems, p->system_allocated * sizeof *p->systems);
     sagi_pbrt_solid_clear(p);
+    sagi_pbrt_later_clear(p);
 }
 
 sag_status sagi_pbrt_load(sag_world *world, const char *path, const sagi_load_options *options,
@@ -406,7 +438,7 @@ sag_status sagi_pbrt_load(sag_world *world, const char *path, const sagi_load_op
     sag_status status = open_source(p, path, &source);
     if (status == SAG_OK) {
         enter(p, source, false);
-        status = read_all(p);
+        status = read_everything(p);
     }
     clear(p);
     sag_release(context, p, sizeof *p);

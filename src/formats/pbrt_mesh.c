@@ -4,6 +4,8 @@
 // there. A vertex that is no number stays: the scene drops its triangles and counts them.
 #include "formats/pbrt_shape.h"
 
+#include "formats/pbrt_later.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -54,6 +56,8 @@ sag_status sagi_pbrt_plymesh(sagi_pbrt *p) {
     if (p->params.status != SAG_OK) return p->params.status;
     if (!name[0]) return sagi_params_fail(&p->params, NULL, "its \"string filename\" is missing");
     sagi_pbrt_path(p, name, path);
+    if (sagi_pbrt_may_wait(p))
+        return sagi_pbrt_ply_later(p, path, sagi_params_find(&p->params, "filename", ~0u)->place);
     sagi_mesh_data data = {.context = p->context};
     sag_error reason;
     const sag_status status = sagi_ply_read(p->context, path, &data, &reason);
@@ -116,7 +120,7 @@ static sag_status read_arrays(sagi_pbrt *p, size_t corners, sagi_mesh_data *data
     return status;
 }
 
-static sag_status read_triangles(sagi_pbrt *p, sagi_mesh_data *data) {
+sag_status sagi_pbrt_read_triangles(sagi_pbrt *p, sagi_mesh_data *data) {
     const double *indices;
     size_t count;
     const sag_status status = read_arrays(p, 3, data, &indices, &count);
@@ -131,7 +135,7 @@ static sag_status read_triangles(sagi_pbrt *p, sagi_mesh_data *data) {
 
 sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p) {
     sagi_mesh_data data = {.context = p->context};
-    const sag_status status = read_triangles(p, &data);
+    const sag_status status = sagi_pbrt_read_triangles(p, &data);
     sagi_pbrt_ignore(p, "S", NULL); // tangents: made from uv
     sagi_pbrt_ignore(p, "faceIndices", NULL);
     if (status != SAG_OK) {

@@ -11,6 +11,7 @@
 // solid that is made of the object when one is first asked for: so a mesh is not copied and objects of
 // objects of objects do not fill the memory.
 #include "formats/pbrt_blocks.h"
+#include "formats/pbrt_later.h"
 #include "formats/pbrt_solid.h"
 
 #include <string.h>
@@ -59,6 +60,8 @@ sag_status sagi_pbrt_object_end(sagi_pbrt *p, sagi_place place) {
     sag_status status = sagi_pbrt_pop(p, place, SAGI_BLOCK_OBJECT);
     if (status != SAG_OK) return status;
     sagi_object *object = &p->objects[p->object_count - 1];
+    sagi_pbrt_commit_later(p, place, (uint32_t)(p->object_count - 1), &status);
+    if (status != SAG_OK) return status;
     status = sag_scene_commit(object->scene, p->error);
     if (status != SAG_OK) {
         char message[sizeof p->error->message];
@@ -218,7 +221,11 @@ sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
     if (!sag_affine_inverse(&p->state.ctm, &inverse))
         return sagi_place_error(place, p->error,
                                 "the object \"%.100s\" cannot be placed: the transform is singular", name);
-    if (p->solid.scene) return operand(p, place, object, name);
+    if (p->solid.scene) {
+        // Its meshes become parts: they have to be there.
+        if ((status = sagi_pbrt_catch_up(p)) != SAG_OK) return status;
+        return operand(p, place, object, name);
+    }
     sag_affine placed = p->state.ctm;
     const uint32_t only = only_solid(p, object, &placed);
     sag_scene *scene = only ? p->solids[only - 1].scene : object->scene;

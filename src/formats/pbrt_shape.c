@@ -6,6 +6,8 @@
 // transform. Sides: the scene keeps outside outside under mirroring maps, which is what pbrt's "swaps
 // handedness" does for a normal made by a cross product; so ReverseOrientation alone turns the front.
 #include "formats/pbrt_shape.h"
+
+#include "formats/pbrt_later.h"
 #include "formats/pbrt_solid.h"
 
 #include <math.h>
@@ -73,6 +75,12 @@ static sag_appearance look_of(sagi_pbrt *p, double area) {
 
 sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
                          const sag_affine *placed) {
+    uint32_t geometry;
+    return sagi_pbrt_add_numbered(p, kind, shape, area, placed, &geometry);
+}
+
+sag_status sagi_pbrt_add_numbered(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
+                                  const sag_affine *placed, uint32_t *id) {
     if (p->params.status != SAG_OK) return p->params.status;
     const char *const wrong = p->solid.scene ? sagi_pbrt_not_closed(kind, shape) : NULL;
     if (wrong) return sagi_params_fail(&p->params, NULL, "it %s", wrong);
@@ -85,6 +93,7 @@ sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, d
     }
     const uint32_t geometry = sag_add_shape(p->scene, kind, shape);
     if (geometry == SAG_INVALID_ID) return sagi_pbrt_out_of_memory(p);
+    *id = geometry;
     if (!sag_affine_is_identity(placed)) {
         const sag_status status = sag_geometry_set_transform(p->scene, geometry, placed);
         if (status == SAG_ERROR_MEMORY) return sagi_pbrt_out_of_memory(p);
@@ -319,10 +328,30 @@ static const struct {
     {"spheres", sagi_pbrt_spheres},
 };
 
+// Reads the parameters of a mesh without its numbers, if it is large: they are for later. True when that is
+// done; else the cursor is where it was.
+static bool skimmed(sagi_pbrt *p, sagi_place place, const char *name) {
+    sagi_cursor *cursor = &p->files[p->file_count - 1];
+    const sagi_cursor before = *cursor;
+    if (strcmp(name, "trianglemesh") != 0 || !sagi_pbrt_may_wait(p)) return false;
+    for (size_t i = 0; i < p->state.attribute_count; i++)
+        if (p->attributes[i].target == SAGI_TARGET_SHAPE) return false;
+    p->params.skim = true;
+    sag_status status = sagi_pbrt_parameters_of(p, place, SAGI_TARGET_SHAPE, "Shape", name);
+    p->params.skim = false;
+    bool good = false;
+    for (size_t i = 0; i < p->params.count && status == SAG_OK; i++) good |= p->params.items[i].skimmed;
+    if (p->options->geometry_only) sagi_pbrt_ignore(p, "alpha", NULL);
+    good = good && sagi_pbrt_triangles_later(p, before, &status);
+    if (!good) *cursor = before;
+    return good;
+}
+
 sag_status sagi_pbrt_shape(sagi_pbrt *p, sagi_place place) {
     char name[64];
     sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status == SAG_OK) status = sagi_pbrt_parameters(p, place, SAGI_TARGET_SHAPE, "Shape \"%.60s\"", name);
+    if (status == SAG_OK && skimmed(p, place, name)) return sagi_pbrt_parameters_done(p);
+    if (status == SAG_OK) status = sagi_pbrt_parameters_of(p, place, SAGI_TARGET_SHAPE, "Shape", name);
     if (status != SAG_OK) return status;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         if (strcmp(name, shapes[i].name) != 0) continue;

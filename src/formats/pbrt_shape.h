@@ -9,6 +9,9 @@
 // shape, for lights given by power; 0 when unknown.
 sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
                          const sag_affine *placed);
+// The same, and which geometry it became (of a scene that is no solid).
+sag_status sagi_pbrt_add_numbered(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
+                                  const sag_affine *placed, uint32_t *geometry);
 // How much larger the current transform makes areas: lengths grow by the cube root of the volume's factor,
 // which is right for similarities and near for others.
 double sagi_pbrt_area_factor(const sagi_pbrt *p);
@@ -16,6 +19,8 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p);
 // Shapes with arrays (pbrt_mesh.c).
 sag_status sagi_pbrt_plymesh(sagi_pbrt *p);
 sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p);
+// The mesh of the parameters that have been read; on failure *data holds what there is so far.
+sag_status sagi_pbrt_read_triangles(sagi_pbrt *p, sagi_mesh_data *data);
 sag_status sagi_pbrt_loopsubdiv(sagi_pbrt *p);
 sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p);
 sag_status sagi_pbrt_polygon(sagi_pbrt *p);

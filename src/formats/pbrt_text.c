@@ -14,6 +14,8 @@
 
 // No number or directive is longer; what is, is noise.
 #define MAX_WORD_BYTES 65536
+// Numbers in brackets that are converted later, if a list is skimmed.
+#define MIN_SKIMMED_BYTES 2048
 
 void sagi_place_find(sagi_place place, int *line, int *column) {
     *line = 1, *column = 1;
@@ -34,9 +36,16 @@ sag_status sagi_place_error(sagi_place place, sag_error *error, const char *form
     return sag_error_set_at(error, SAG_ERROR_FORMAT, place.source->path, line, column, "%s", message);
 }
 
-static bool is_space(char c) {
-    return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
-}
+// What a byte is to the reader of words.
+enum { SPACE = 1, ENDS_WORD = 2 };
+static const uint8_t byte_class[256] = {
+    [' '] = SPACE | ENDS_WORD,  ['\n'] = SPACE | ENDS_WORD, ['\t'] = SPACE | ENDS_WORD,
+    ['\r'] = SPACE | ENDS_WORD, ['\f'] = SPACE | ENDS_WORD, ['\v'] = SPACE | ENDS_WORD,
+    ['"'] = ENDS_WORD,          ['['] = ENDS_WORD,          [']'] = ENDS_WORD,
+    ['#'] = ENDS_WORD,
+};
+
+static inline bool is_space(char c) { return (byte_class[(uint8_t)c] & SPACE) != 0; }
 
 static void skip_space(sagi_cursor *cursor) {
     const char *p = cursor->next, *const end = cursor->end;
@@ -74,11 +83,8 @@ sag_status sagi_cursor_next(sagi_cursor *cursor, sagi_token *token, sag_error *e
         return SAG_OK;
     }
     const char *q = p;
-    while (q != end && !is_space(*q) && *q != '"' && *q != '[' && *q != ']' && *q != '#') {
-        q++;
-        if (q - p > MAX_WORD_BYTES)
-            return sagi_place_error(token->place, error, "this is no text of a scene");
-    }
+    while (q != end && !(byte_class[(uint8_t)*q] & ENDS_WORD)) q++;
+    if (q - p > MAX_WORD_BYTES) return sagi_place_error(token->place, error, "this is no text of a scene");
     token->kind = SAGI_TOKEN_WORD;
     token->text = (sagi_slice){p, (size_t)(q - p)};
     cursor->next = q;
@@ -225,7 +231,20 @@ static bool add_numbers(sagi_params *params, sagi_cursor *cursor, bool whole) {
     }
 }
 
-static sag_status parse_values(sagi_params *params, sagi_cursor *cursor, const sagi_param *param) {
+// Steps over a long array of numbers; the cursor is behind the [.
+static bool skim_values(sagi_cursor *cursor, sagi_param *param) {
+    const char *const begin = cursor->next;
+    const size_t left = (size_t)(cursor->end - begin);
+    const char *const close = memchr(begin, ']', left);
+    const size_t length = close ? (size_t)(close - begin) : 0;
+    if (length < MIN_SKIMMED_BYTES || memchr(begin, '#', length) || memchr(begin, '"', length)) return false;
+    param->text = (sagi_slice){begin, length};
+    param->skimmed = true;
+    cursor->next = close + 1;
+    return true;
+}
+
+static sag_status parse_values(sagi_params *params, sagi_cursor *cursor, sagi_param *param) {
     sagi_token token;
     if ((params->status = sagi_cursor_next(cursor, &token, params->error)) != SAG_OK) return params->status;
     if (token.kind == SAGI_TOKEN_WORD || token.kind == SAGI_TOKEN_STRING)
@@ -238,11 +257,15 @@ static sag_status parse_values(sagi_params *params, sagi_cursor *cursor, const s
     const bool whole = param->type == SAGI_TYPE_INTEGER;
     const unsigned plain = SAGI_TYPE_INTEGER | SAGI_TYPE_FLOAT | SAGI_TYPE_POINT2 | SAGI_TYPE_VECTOR2 |
                            SAGI_TYPE_POINT3 | SAGI_TYPE_VECTOR3 | SAGI_TYPE_NORMAL | SAGI_TYPE_RGB;
+    if (params->skim && (param->type & plain) && skim_values(cursor, param)) return SAG_OK;
     for (;;) {
         if ((param->type & plain) && !add_numbers(params, cursor, whole)) return out_of_memory(params);
         if ((params->status = sagi_cursor_next(cursor, &token, params->error)) != SAG_OK)
             return params->status;
-        if (token.kind == SAGI_TOKEN_CLOSE) return SAG_OK;
+        if (token.kind == SAGI_TOKEN_CLOSE) {
+            if (params->skim) param->text = (sagi_slice){open.at + 1, (size_t)(token.place.at - open.at) - 1};
+            return SAG_OK;
+        }
         if (token.kind == SAGI_TOKEN_END)
             return params->status = sagi_place_error(open, params->error, "this [ is never closed");
         if (token.kind == SAGI_TOKEN_OPEN)

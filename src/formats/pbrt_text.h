@@ -73,7 +73,8 @@ typedef struct sagi_param {
     sagi_place place;                  // of the "type name"
     size_t first_number, number_count; // single numbers, not points
     size_t first_string, string_count;
-    bool used;
+    sagi_slice text; // between the brackets, when the list is skimmed
+    bool used, skimmed;
 } sagi_param;
 
 // A parameter list; keeps its memory from one directive to the next.
@@ -89,6 +90,8 @@ typedef struct sagi_params {
     size_t number_count, number_allocated;
     sagi_slice *strings;
     size_t string_count, string_allocated;
+    // Long arrays of numbers are not converted, only their text is noted, and they are marked as skimmed.
+    bool skim;
 } sagi_params;
 
 void sagi_params_clear(sagi_params *params);
