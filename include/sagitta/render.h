@@ -221,9 +221,9 @@ typedef struct sag_film {
 /// Where the random numbers come from. Each number is a pure function of seed, pixel, sample and dimension.
 /// Test: tests/render/test_sampler.c.
 typedef enum sag_sampler_kind {
-    SAG_SAMPLER_INDEPENDENT,  ///< uniform, unrelated
-    SAG_SAMPLER_STRATIFIED,   ///< one in each of samples_per_pixel strata, in every dimension (pair)
-    SAG_SAMPLER_SOBOL,        ///< the same as padded
+    SAG_SAMPLER_INDEPENDENT, ///< uniform, unrelated
+    SAG_SAMPLER_STRATIFIED,  ///< one in each of samples_per_pixel strata, in every dimension (pair)
+    SAG_SAMPLER_SOBOL, ///< Sobol’ points, each number of its own dimension (the first 32; then as ZSOBOL)
     SAG_SAMPLER_PADDED_SOBOL, ///< Sobol’ points in every dimension pair, of each pixel by itself (Burley,
                               ///< JCGT 9(4), 2020)
     SAG_SAMPLER_ZSOBOL, ///< the same, neighbouring pixels sharing out a net, so that noise is blue: what one

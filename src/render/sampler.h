@@ -11,6 +11,10 @@
 // Dimensions whose seeds are kept at hand.
 #define SAGI_SEEDED_DIMENSIONS 64u
 
+// Sobol' dimensions that have columns, and how many columns, one for each bit of an index.
+#define SAGI_SOBOL_DIMENSIONS 32u
+#define SAGI_SOBOL_COLUMNS    64u
+
 // What is the same for all pixels.
 typedef struct sagi_sampler_plan {
     sag_sampler_kind kind;
@@ -23,14 +27,16 @@ typedef struct sagi_sampler_plan {
     uint64_t digit_mask;       // Z-order: the upper bit of each whole digit of the reversed code
     uint64_t seed;
     uint64_t seeds[SAGI_SEEDED_DIMENSIONS];
+    uint32_t columns[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS]; // Sobol': bit i is digit i
 } sagi_sampler_plan;
 
 typedef struct sagi_sampler {
     const sagi_sampler_plan *plan;
-    uint64_t key;       // of the pixel: a hash; Z-order: where it stands; Halton: its first sample's index
-    uint64_t index;     // of the sample among the sequence's points
-    uint32_t sample;    // of this pixel
-    uint32_t dimension; // of this sample: counts the calls (Halton: the numbers)
+    uint64_t key;        // of the pixel: a hash; Z-order: where it stands; Halton: its first sample's index
+    uint64_t index;      // of the sample among the sequence's points (reversed, but for Halton)
+    uint64_t true_index; // Sobol': the index shuffled, for dimensions of their own
+    uint32_t sample;     // of this pixel
+    uint32_t dimension;  // of this sample: counts the calls (Halton, Sobol': the numbers)
 } sagi_sampler;
 
 // The part that is the same for all pixels. SAG_ERROR_ARGUMENT for no samples at all, more than 2³¹, or a
@@ -52,6 +58,9 @@ sag_vec2 sagi_sampler_2d(sagi_sampler *sampler);
 sag_vec2 sagi_sampler_pixel(sagi_sampler *sampler);
 // Where `index` goes in the pseudo-random permutation of [0, count) that `seed` names.
 uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed);
+
+// Fills in the columns (sobol_dimensions.c).
+void sagi_sobol_columns(uint32_t columns[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS]);
 
 // Halton's points (halton.c): the index of the first sample of a pixel (in the lowest bits, the pixel's tile
 // above), the point within the pixel that an index has, and its number in any later dimension.

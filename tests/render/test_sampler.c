@@ -163,6 +163,36 @@ static void sobol_points_fill_every_elementary_box(void **state) {
     }
 }
 
+// The second dimension is the one that pairs use; every one has a number in each interval of 2⁻ᵏ; and (what
+// the starting numbers were chosen for) 2¹⁰ points lie evenly over the 8×8 boxes of any pair of the first
+// five.
+static void sobol_has_many_dimensions(void **state) {
+    (void)state;
+    uint32_t columns[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS];
+    sagi_sobol_columns(columns);
+    for (uint32_t j = 0; j < 32; j++) assert_int_equal(columns[1][j], sagi_sobol_second_reversed(1u << j));
+    sagi_sampler_plan plan;
+    sagi_sampler sampler = make(&plan, SAG_SAMPLER_SOBOL, 8, 1024);
+    static double numbers[SAGI_SOBOL_DIMENSIONS][1024];
+    sagi_sampler_start_pixel(&sampler, 313, 1);
+    for (uint32_t i = 0; i < 1024; i++) {
+        sagi_sampler_start_sample(&sampler, i);
+        for (uint32_t d = 0; d < SAGI_SOBOL_DIMENSIONS; d++) numbers[d][i] = sagi_sampler_1d(&sampler);
+    }
+    for (uint32_t d = 0; d < SAGI_SOBOL_DIMENSIONS; d++) {
+        uint8_t counts[1024] = {0};
+        for (uint32_t i = 0; i < 1024; i++) counts[(uint32_t)(numbers[d][i] * 1024)]++;
+        for (uint32_t i = 0; i < 1024; i++) assert_int_equal(counts[i], 1);
+    }
+    for (uint32_t d = 0; d < 5; d++)
+        for (uint32_t e = 0; e < d; e++) {
+            uint32_t counts[64] = {0};
+            for (uint32_t i = 0; i < 1024; i++)
+                counts[(uint32_t)(numbers[d][i] * 8) * 8 + (uint32_t)(numbers[e][i] * 8)]++;
+            for (uint32_t i = 0; i < 64; i++) assert_int_equal(counts[i], 16);
+        }
+}
+
 // Samples come in an order whose first 4ᵏ are a net too, so that a render that is stopped is a good one of
 // fewer samples; and 3 of every 4 samples are of no use as a count, but work.
 static void first_samples_are_a_net_too(void **state) {
@@ -458,6 +488,7 @@ int main(void) {
         cmocka_unit_test(strata_have_one_sample_each),
         cmocka_unit_test(strata_are_as_asked),
         cmocka_unit_test(sobol_points_fill_every_elementary_box),
+        cmocka_unit_test(sobol_has_many_dimensions),
         cmocka_unit_test(first_samples_are_a_net_too),
         cmocka_unit_test(neighbours_share_a_net),
         cmocka_unit_test(all_orders_of_four_come_up),
