@@ -3,8 +3,10 @@
 /// From a scene to a picture (libsagitta-render): a world is a scene with materials, textures, lights, a
 /// camera and a film; a render makes its picture. sag_world_load reads one from a file.
 ///
-/// A world is built by one thread at a time; once rendering it must not change. Colours are linear RGB with
-/// Rec. 709 primaries.
+/// A world is built by one thread at a time; once rendering it must not change. Light is followed by
+/// wavelength; plain colours are linear RGB with Rec. 709 primaries and the white of D65, and stand for
+/// smooth spectra that look so (Jakob & Hanika 2019): reflectances, indices and other amounts, or light of
+/// which (1, 1, 1) is D65 at luminance 1.
 #ifndef SAGITTA_RENDER_H
 #define SAGITTA_RENDER_H
 
@@ -20,15 +22,57 @@ typedef struct sag_rgb {
 } sag_rgb;
 
 // -----------------------------------------------------------------------------------------------------------
+// spectra
+
+/// Linear RGB: which primaries and white.
+typedef enum sag_color_space {
+    SAG_COLOR_SRGB,       ///< Rec. ITU-R BT.709, D65
+    SAG_COLOR_DCI_P3,     ///< P3 with the white of D65 (Display P3)
+    SAG_COLOR_REC2020,    ///< Rec. ITU-R BT.2020, D65
+    SAG_COLOR_ACES2065_1, ///< SMPTE ST 2065-1, about D60
+} sag_color_space;
+
+/// A spectrum of a world, counted from 1; 0 is "none".
+typedef uint32_t sag_spectrum_id;
+
+typedef enum sag_spectrum_kind {
+    SAG_SPECTRUM_CONSTANT,  ///< `value` at all wavelengths
+    SAG_SPECTRUM_SAMPLED,   ///< `pairs`, linear between; 0 beyond or, with `extend`, as at the ends
+    SAG_SPECTRUM_BLACKBODY, ///< Planck's law at `value` kelvin, 1 at its peak
+    SAG_SPECTRUM_ALBEDO, ///< a reflectance of the colour `rgb`, cut off at 0 and 1, under the space's white
+    SAG_SPECTRUM_UNBOUNDED,  ///< the same without a bound above
+    SAG_SPECTRUM_ILLUMINANT, ///< light of the colour `rgb`: that times the space's white at luminance 1
+    SAG_SPECTRUM_NAMED, ///< one of pbrt-v4's: metal-Ag-eta, metal-Ag-k (Ag, Al, Au, Cu, CuZn, MgO, TiO2),
+                        ///< glass-BK7 (BK7, BAF10, FK51A, LASF9, F5, F10, F11), stdillum-A (A, D50, D65, F1 …
+                        ///< F12), illum-acesD60; lamps are at luminance 1
+} sag_spectrum_kind;
+
+/// Numbers by wavelength, from 360 to 830 nm. Used as light, 1 at every wavelength has luminance 1.
+typedef struct sag_spectrum {
+    sag_spectrum_kind kind;
+    double value;
+    sag_rgb rgb;
+    sag_color_space space;
+    const double *pairs; ///< wavelength in nm, rising, and value, pair_count times
+    size_t pair_count;
+    bool extend;
+    const char *name;
+    bool normalize; ///< brought to luminance 1 first
+    double scale;   ///< multiplies the values; 0 counts as 1
+} sag_spectrum;
+
+// -----------------------------------------------------------------------------------------------------------
 // textures
 
 /// A texture of a world, counted from 1; 0 is "none", so that zero-initialised inputs are constants.
 typedef uint32_t sag_texture_id;
 
-/// A colour or number that may vary over the surface: the texture's value where texture ≠ 0, else `value`.
+/// A colour or number that may vary over the surface: the texture's value where texture ≠ 0, else the
+/// spectrum where spectrum ≠ 0, else `value`.
 typedef struct sag_input {
     sag_rgb value; ///< a number is kept in r (and g, b)
     sag_texture_id texture;
+    sag_spectrum_id spectrum;
 } sag_input;
 
 typedef enum sag_texture_kind {
@@ -90,11 +134,12 @@ typedef struct sag_texture {
 // materials
 
 typedef enum sag_material_kind {
-    SAG_MATERIAL_DIFFUSE,         ///< Lambertian: reflectance
-    SAG_MATERIAL_CONDUCTOR,       ///< metal: eta, k (or reflectance when both are 0); roughness
-    SAG_MATERIAL_DIELECTRIC,      ///< glass: eta.r is the index of refraction; both sides
+    SAG_MATERIAL_DIFFUSE,    ///< Lambertian: reflectance
+    SAG_MATERIAL_CONDUCTOR,  ///< metal: eta, k (or reflectance when both are 0); roughness
+    SAG_MATERIAL_DIELECTRIC, ///< glass: eta is the index of refraction (r of a plain colour); both sides. A
+                             ///< spectrum that is not constant bends each wavelength on its own way
     SAG_MATERIAL_THIN_DIELECTRIC, ///< a pane: reflection and straight transmission, all inner bounces
-    SAG_MATERIAL_COATED_DIFFUSE,  ///< plastic: diffuse under a smooth or rough coat of index eta.r (0: 1.5)
+    SAG_MATERIAL_COATED_DIFFUSE,  ///< plastic: diffuse under a smooth or rough coat of index eta (0: 1.5)
     SAG_MATERIAL_INTERFACE,       ///< not there at all: rays go on
 } sag_material_kind;
 
@@ -127,8 +172,10 @@ typedef enum sag_light_kind {
 typedef struct sag_light {
     sag_light_kind kind;
     sag_rgb color; ///< W/sr (point, spot), W/m² (distant), W/(m² sr) (infinite, sky) in the three primaries
-    sag_rgb horizon;                 ///< of the sky
-    sag_vec3 from, to;               ///< in the scene's space
+    sag_spectrum_id spectrum; ///< ≠ 0: the light is of this spectrum, times the mean of `color`; of all but
+                              ///< the sky
+    sag_rgb horizon;          ///< of the sky
+    sag_vec3 from, to;        ///< in the scene's space
     double cone_rad, cone_delta_rad; ///< half angles of the spot; pbrt's coneangle and conedeltaangle
     sag_image image;     ///< infinite: multiplies `color`, square, in the equal-area octahedral mapping
                          ///< (Clarberg 2008), as pbrt-v4's; the world takes it over. Empty: constant
@@ -155,9 +202,23 @@ SAG_API sag_scene *sag_world_add_object(sag_world *world);
 /// The scenes sag_world_add_object made, in order, counted from 0; NULL beyond the last.
 SAG_API sag_scene *sag_world_object(const sag_world *world, uint32_t index);
 
+/// Adds a spectrum (copied, pairs and all). SAG_ERROR_ARGUMENT for a description that is none: numbers that
+/// are not finite, wavelengths that do not rise, a temperature that is not positive, an unknown name;
+/// SAG_ERROR_MEMORY. Test: tests/render/test_spectrum.c.
+SAG_API sag_status sag_world_add_spectrum(sag_world *world, const sag_spectrum *spectrum,
+                                          sag_spectrum_id *id);
+/// A spectrum's value at a wavelength in nm (to the nearest nanometre; 0 beyond 360 … 830), and for an
+/// unknown id.
+SAG_API double sag_world_spectrum_value(const sag_world *world, sag_spectrum_id id, double wavelength_nm);
+/// A spectrum's luminance as light: ∫ ȳ S dλ/∫ ȳ dλ. 0 for an unknown id.
+SAG_API double sag_world_spectrum_luminance(const sag_world *world, sag_spectrum_id id);
+/// A spectrum's linear RGB colour in Rec. 709: as light or, as a reflectance, under D65. Black for an unknown
+/// id.
+SAG_API sag_rgb sag_world_spectrum_color(const sag_world *world, sag_spectrum_id id, bool as_light);
+
 /// Adds a texture, material or light (copied; pictures are taken over, also on failure). Returns its id
-/// (each kind counts from 1) or 0 when memory is short, an input names a texture that was not added before,
-/// or textures nest more than 32 deep.
+/// (each kind counts from 1) or 0 when memory is short, an input names a texture or spectrum that was not
+/// added before, or textures nest more than 32 deep.
 SAG_API sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture);
 /// As sag_world_add_texture, for a material.
 SAG_API uint32_t sag_world_add_material(sag_world *world, const sag_material *material);
@@ -170,9 +231,11 @@ SAG_API uint32_t sag_world_add_light(sag_world *world, const sag_light *light);
 typedef struct sag_appearance {
     uint32_t material; ///< 0: 50 % grey diffuse
     sag_rgb emission;  ///< radiance W/(m² sr); not black: the geometry is an area light, on its front
-    bool two_sided;    ///< emits on both sides
-    bool flip;         ///< the front is the back (pbrt's ReverseOrientation)
-    sag_input alpha;   ///< with texture ≠ 0: where the value is 0 the surface is not there
+    sag_spectrum_id emission_spectrum; ///< ≠ 0: this times emission_scale, in place of `emission`
+    double emission_scale;
+    bool two_sided;  ///< emits on both sides
+    bool flip;       ///< the front is the back (pbrt's ReverseOrientation)
+    sag_input alpha; ///< with texture ≠ 0: where the value is 0 the surface is not there
 } sag_appearance;
 
 /// Binds a look to a geometry of one of the world's scenes, in place of an earlier one. It sets the
@@ -215,7 +278,12 @@ typedef struct sag_film {
     sag_filter_kind filter;
     double filter_radius_x, filter_radius_y; ///< in pixels; 0: pbrt's default for the kind
     double filter_sigma;                     ///< Gaussian; 0 counts as 0.5
-    char file[512];                          ///< the name the scene asks for; may be empty
+    sag_color_space color_space;             ///< of the picture
+    char sensor[64]; ///< "" or "cie1931": the eye's; or one of pbrt-v4's cameras, such as "canon_eos_5d_mkiv"
+    double iso;      ///< 0 counts as 100
+    double exposure_seconds;     ///< 0 counts as 1. The picture is scaled by this · iso/100
+    double white_balance_kelvin; ///< daylight that becomes white; 0: none for the eye, 6500 for cameras
+    char file[512];              ///< the name the scene asks for; may be empty
 } sag_film;
 
 /// Where the random numbers come from. Each number is a pure function of seed, pixel, sample and dimension.
@@ -279,6 +347,9 @@ typedef struct sag_settings {
     sag_strategy strategy; ///< path and direct only
 } sag_settings;
 
+/// Whether sag_film.sensor may have this name.
+SAG_API bool sag_sensor_is_known(const char *name);
+
 /// The world's settings, to read and to change until a render is made.
 SAG_API sag_settings *sag_world_settings(sag_world *world);
 
@@ -329,8 +400,8 @@ SAG_API void sag_render_destroy(sag_render *render);
 /// threads there are.
 SAG_API sag_status sag_render_run(sag_render *render, sag_progress_callback progress, void *user,
                                   sag_error *error);
-/// The picture from the samples taken so far: RGB, linear; black where there are none yet. Makes *image
-/// (sag_image_clear it). Between runs.
+/// The picture from the samples taken so far: linear RGB of the film's colour space; black where there are
+/// none yet. Makes *image (sag_image_clear it). Between runs.
 SAG_API sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_error *error);
 /// Counts and times so far. Between runs or from the progress callback.
 SAG_API void sag_render_get_stats(const sag_render *render, sag_render_stats *stats);

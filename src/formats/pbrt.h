@@ -8,11 +8,17 @@
 
 #include "formats/load.h"
 #include "formats/pbrt_text.h"
-#include "formats/spectra.h"
 #include <sagitta/solid.h>
 
 #define SAGI_MAX_INCLUDE_DEPTH 64
 #define SAGI_MAX_BLOCK_DEPTH   1000000
+
+// What a spectrum is used for.
+typedef enum sagi_spectrum_use {
+    SAGI_SPECTRUM_REFLECTANCE,
+    SAGI_SPECTRUM_LIGHT,
+    SAGI_SPECTRUM_INDEX, // of refraction, and any other amount
+} sagi_spectrum_use;
 
 // What opened a block.
 typedef enum sagi_block {
@@ -40,7 +46,8 @@ typedef struct sagi_attribute {
 
 typedef struct sagi_area_light {
     bool on, two_sided;
-    sag_rgb radiance;
+    sag_input radiance;
+    double scale;
     double power; // > 0: the radiance is a colour, the power over the whole shape is this
 } sagi_area_light;
 
@@ -50,6 +57,7 @@ typedef struct sagi_state {
     bool reverse_orientation;
     bool end_time_only; // transforms are for the end of a motion: passed over
     uint32_t material;
+    sag_color_space color_space; // of "rgb" parameters
     sagi_area_light area_light;
     size_t attribute_count;
     sagi_block block; // what the state was saved for
@@ -156,9 +164,11 @@ sag_status sagi_pbrt_string(sagi_pbrt *p, sagi_place after, char *text, size_t s
 // A file named by a parameter, relative to the scene's directory.
 void sagi_pbrt_path(const sagi_pbrt *p, const char *name, char path[SAGI_MAX_PATH]);
 
-// Colours and numbers that may be textures (pbrt_look).
-sag_rgb sagi_pbrt_rgb(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise);
-sag_input sagi_pbrt_spectrum_input(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise);
+// Colours and numbers that may be spectra or textures (pbrt_spectrum). A light's colour is no texture: an rgb
+// as it is (by default white), or a spectrum of luminance 1.
+sag_input sagi_pbrt_light_color(sagi_pbrt *p, const char *name);
+sag_input sagi_pbrt_spectrum_input(sagi_pbrt *p, const char *name, sagi_spectrum_use use, double otherwise);
+sag_spectrum_id sagi_pbrt_named_spectrum(sagi_pbrt *p, const char *name);
 sag_input sagi_pbrt_float_input(sagi_pbrt *p, const char *name, double otherwise);
 
 // The transform to the world's space, or the object's, also within a solid.

@@ -9,8 +9,6 @@
 
 #define PI 3.14159265358979323846
 
-static const sag_rgb white = {1, 1, 1};
-
 static sag_rgb scaled(sag_rgb c, double s) { return (sag_rgb){c.r * s, c.g * s, c.b * s}; }
 
 static sag_vec3 triple(sagi_params *params, const char *name, sag_vec3 otherwise) {
@@ -22,13 +20,20 @@ static bool can_shine(sag_rgb c) {
     return c.r >= 0 && c.g >= 0 && c.b >= 0 && isfinite(c.r) && isfinite(c.g) && isfinite(c.b);
 }
 
-// Puts the light into the world and its parameters to an end.
-static sag_status finish(sagi_pbrt *p, const sag_light *light) {
-    if (!can_shine(light->color))
-        return sagi_params_fail(&p->params, NULL, "its light is %g %g %g: negative or too large",
-                                light->color.r, light->color.g, light->color.b);
+// Gives the light its colour (the parameter called `name`), puts it into the world and its parameters to an
+// end.
+static sag_status finish(sagi_pbrt *p, sag_light *light, const char *name, double scale) {
+    const sag_input color = sagi_pbrt_light_color(p, name);
+    light->spectrum = color.spectrum;
+    light->color = scaled(color.spectrum ? (sag_rgb){1, 1, 1} : color.value, scale);
+    if (p->params.status == SAG_OK && !can_shine(light->color))
+        sagi_params_fail(&p->params, NULL, "its light is %g %g %g: negative or too large", light->color.r,
+                         light->color.g, light->color.b);
     const sag_status status = sagi_pbrt_parameters_done(p);
-    if (status != SAG_OK) return status;
+    if (status != SAG_OK) {
+        sag_image_clear(p->context, &light->image);
+        return status;
+    }
     return sag_world_add_light(p->world, light) ? SAG_OK : sagi_pbrt_out_of_memory(p);
 }
 
@@ -36,11 +41,10 @@ static sag_status point_light(sagi_pbrt *p, double scale) {
     sagi_params *params = &p->params;
     const double power = sagi_params_float(params, "power", -1);
     if (power > 0) scale *= power / (4 * PI);
-    const sag_light light = {
-        .kind = SAG_LIGHT_POINT,
-        .color = scaled(sagi_pbrt_rgb(p, "I", SAGI_SPECTRUM_LIGHT, white), scale),
-        .from = sag_affine_point(&p->state.ctm, triple(params, "from", sag_vec3_make(0, 0, 0)))};
-    return finish(p, &light);
+    sag_light light = {.kind = SAG_LIGHT_POINT,
+                       .from =
+                           sag_affine_point(&p->state.ctm, triple(params, "from", sag_vec3_make(0, 0, 0)))};
+    return finish(p, &light, "I", scale);
 }
 
 static sag_status spot_light(sagi_pbrt *p, double scale) {
@@ -57,16 +61,15 @@ static sag_status spot_light(sagi_pbrt *p, double scale) {
         const double start = cos(cone - delta), end = cos(cone);
         scale *= power / (2 * PI * ((1 - start) + (start - end) / 2));
     }
-    const sag_light light = {
-        .kind = SAG_LIGHT_SPOT,
-        .color = scaled(sagi_pbrt_rgb(p, "I", SAGI_SPECTRUM_LIGHT, white), scale),
-        .from = sag_affine_point(&p->state.ctm, triple(params, "from", sag_vec3_make(0, 0, 0))),
-        .to = sag_affine_point(&p->state.ctm, triple(params, "to", sag_vec3_make(0, 0, 1))),
-        .cone_rad = cone,
-        .cone_delta_rad = delta};
+    sag_light light = {.kind = SAG_LIGHT_SPOT,
+                       .from =
+                           sag_affine_point(&p->state.ctm, triple(params, "from", sag_vec3_make(0, 0, 0))),
+                       .to = sag_affine_point(&p->state.ctm, triple(params, "to", sag_vec3_make(0, 0, 1))),
+                       .cone_rad = cone,
+                       .cone_delta_rad = delta};
     if (!(sag_length(sag_sub(light.to, light.from)) > 0))
         return sagi_params_fail(params, NULL, "from and to are the same point");
-    return finish(p, &light);
+    return finish(p, &light, "I", scale);
 }
 
 static sag_status distant_light(sagi_pbrt *p, double scale) {
@@ -77,10 +80,8 @@ static sag_status distant_light(sagi_pbrt *p, double scale) {
                    to = triple(params, "to", sag_vec3_make(0, 0, 1));
     const sag_vec3 direction = sag_affine_vector(&p->state.ctm, sag_sub(from, to));
     if (!(sag_length(direction) > 0)) return sagi_params_fail(params, NULL, "from and to are the same point");
-    const sag_light light = {.kind = SAG_LIGHT_DISTANT,
-                             .color = scaled(sagi_pbrt_rgb(p, "L", SAGI_SPECTRUM_LIGHT, white), scale),
-                             .from = direction};
-    return finish(p, &light);
+    sag_light light = {.kind = SAG_LIGHT_DISTANT, .from = direction};
+    return finish(p, &light, "L", scale);
 }
 
 static sag_status infinite_light(sagi_pbrt *p, sagi_place place, double scale) {
@@ -92,10 +93,8 @@ static sag_status infinite_light(sagi_pbrt *p, sagi_place place, double scale) {
     sag_light light = {.kind = SAG_LIGHT_INFINITE, .to_world = p->state.ctm};
     if (!name[0]) {
         if (illuminance > 0) scale *= illuminance / PI;
-        light.color = scaled(sagi_pbrt_rgb(p, "L", SAGI_SPECTRUM_LIGHT, white), scale);
-        return finish(p, &light);
+        return finish(p, &light, "L", scale);
     }
-    light.color = scaled(sagi_pbrt_rgb(p, "L", SAGI_SPECTRUM_LIGHT, white), scale);
     if (illuminance > 0)
         sagi_pbrt_warn_once(p, place, "illuminance",
                             "LightSource \"infinite\": illuminance of a picture is not supported");
@@ -118,7 +117,7 @@ static sag_status infinite_light(sagi_pbrt *p, sagi_place place, double scale) {
         sag_image_clear(p->context, &light.image);
         return wrong;
     }
-    return finish(p, &light);
+    return finish(p, &light, "L", scale);
 }
 
 sag_status sagi_pbrt_light_source(sagi_pbrt *p, sagi_place place) {
@@ -152,12 +151,12 @@ sag_status sagi_pbrt_area_light_source(sagi_pbrt *p, sagi_place place) {
         return sagi_place_error(place, p->error, "unknown area light \"%.60s\"", name);
     sagi_params *params = &p->params;
     const double scale = sagi_params_float(params, "scale", 1);
-    p->state.area_light =
-        (sagi_area_light){.on = true,
-                          .two_sided = sagi_params_bool(params, "twosided", false),
-                          .radiance = scaled(sagi_pbrt_rgb(p, "L", SAGI_SPECTRUM_LIGHT, white), scale),
-                          .power = sagi_params_float(params, "power", -1)};
-    if (!can_shine(p->state.area_light.radiance))
+    p->state.area_light = (sagi_area_light){.on = true,
+                                            .two_sided = sagi_params_bool(params, "twosided", false),
+                                            .radiance = sagi_pbrt_light_color(p, "L"),
+                                            .scale = scale,
+                                            .power = sagi_params_float(params, "power", -1)};
+    if (!can_shine(scaled(p->state.area_light.radiance.value, scale)))
         return sagi_params_fail(params, NULL, "its light is negative or too large");
     sagi_pbrt_ignore(p, "filename", "is not supported: the light has one colour");
     return sagi_pbrt_parameters_done(p);

@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 // ---- messages
@@ -258,10 +259,11 @@ static sag_status accelerator_directive(sagi_pbrt *p, sagi_place place) {
 static sag_status color_space_directive(sagi_pbrt *p, sagi_place place) {
     char name[SAGI_MAX_PATH];
     const sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status == SAG_OK && strcmp(name, "srgb") != 0)
-        sagi_pbrt_warn_once(p, place, "ColorSpace", "ColorSpace \"%.60s\": colours are taken for srgb's",
-                            name);
-    return status;
+    static const char *const names[] = {"srgb", "dci-p3", "rec2020", "aces2065-1"}; // as sag_color_space
+    if (status != SAG_OK) return status;
+    for (int i = 0; i < 4; i++)
+        if (strcasecmp(name, names[i]) == 0) return p->state.color_space = (sag_color_space)i, SAG_OK;
+    return sagi_place_error(place, p->error, "unknown colour space \"%.60s\"", name);
 }
 
 static sag_status medium_directive(sagi_pbrt *p, sagi_place place) {

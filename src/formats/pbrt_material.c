@@ -9,7 +9,7 @@
 
 #define MAX_NAME 1024
 
-static const sag_rgb half = {0.5, 0.5, 0.5}, black = {0, 0, 0};
+static const double half = 0.5;
 
 static void read_roughness(sagi_pbrt *p, sagi_place place, const char *all, const char *u, const char *v,
                            sag_material *m) {
@@ -32,18 +32,18 @@ static void read_roughness(sagi_pbrt *p, sagi_place place, const char *all, cons
 
 static void read_metal(sagi_pbrt *p, const char *eta, const char *k, sag_material *m) {
     m->kind = SAG_MATERIAL_CONDUCTOR;
-    sag_rgb copper_eta = black, copper_k = black;
-    sagi_spectrum_named((sagi_slice){"metal-Cu-eta", 12}, &copper_eta);
-    sagi_spectrum_named((sagi_slice){"metal-Cu-k", 10}, &copper_k);
     const bool by_reflectance = sagi_params_find(&p->params, "reflectance", ~0u) != NULL;
-    m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, black);
-    m->eta = sagi_pbrt_spectrum_input(p, eta, SAGI_SPECTRUM_INDEX, by_reflectance ? black : copper_eta);
-    m->k = sagi_pbrt_spectrum_input(p, k, SAGI_SPECTRUM_INDEX, by_reflectance ? black : copper_k);
+    m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, 0);
+    m->eta = sagi_pbrt_spectrum_input(p, eta, SAGI_SPECTRUM_INDEX, 0);
+    m->k = sagi_pbrt_spectrum_input(p, k, SAGI_SPECTRUM_INDEX, 0);
+    if (by_reflectance) return;
+    if (!sagi_params_find(&p->params, eta, ~0u))
+        m->eta.spectrum = sagi_pbrt_named_spectrum(p, "metal-Cu-eta");
+    if (!sagi_params_find(&p->params, k, ~0u)) m->k.spectrum = sagi_pbrt_named_spectrum(p, "metal-Cu-k");
 }
 
 static sag_input read_index(sagi_pbrt *p, const char *name) {
-    const sag_rgb glass = {1.5, 1.5, 1.5};
-    return sagi_pbrt_spectrum_input(p, name, SAGI_SPECTRUM_INDEX, glass);
+    return sagi_pbrt_spectrum_input(p, name, SAGI_SPECTRUM_INDEX, 1.5);
 }
 
 static void warn_nearest(sagi_pbrt *p, sagi_place place, const char *kind, const char *nearest) {
@@ -98,8 +98,7 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         read_roughness(p, place, "conductor.roughness", "conductor.uroughness", "conductor.vroughness", m);
         warn_nearest(p, place, kind, "the metal without its coat");
     } else if (strcmp(kind, "diffusetransmission") == 0) {
-        m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE,
-                                                  (sag_rgb){0.25, 0.25, 0.25});
+        m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, 0.25);
         warn_nearest(p, place, kind, "a diffuse one without transmission");
     } else if (strcmp(kind, "interface") == 0 || strcmp(kind, "none") == 0 || kind[0] == '\0') {
         m->kind = SAG_MATERIAL_INTERFACE;
@@ -120,12 +119,13 @@ static void check_material(sagi_pbrt *p, sagi_place place, const sag_material *m
     sagi_params *params = &p->params;
     const bool is_glass = m->kind == SAG_MATERIAL_DIELECTRIC || m->kind == SAG_MATERIAL_THIN_DIELECTRIC ||
                           m->kind == SAG_MATERIAL_COATED_DIFFUSE;
-    if (is_glass && !(m->eta.value.r > 0 && m->eta.value.g > 0 && m->eta.value.b > 0) && !m->eta.texture)
+    if (is_glass && !m->eta.spectrum && !(m->eta.value.r > 0 && m->eta.value.g > 0 && m->eta.value.b > 0) &&
+        !m->eta.texture)
         sagi_params_fail(params, sagi_params_find(params, "eta", ~0u),
                          "eta %g: an index of refraction is positive", m->eta.value.r);
     const sag_rgb c = m->reflectance.value;
     const double least = fmin(c.r, fmin(c.g, c.b)), most = fmax(c.r, fmax(c.g, c.b));
-    if (!m->reflectance.texture && (least < 0 || most > 1))
+    if (!m->reflectance.texture && !m->reflectance.spectrum && (least < 0 || most > 1))
         sagi_pbrt_warn(p, place, "%s: the reflectance %g %g %g is cut off at 0 and 1", params->what, c.r, c.g,
                        c.b);
 }

@@ -84,8 +84,11 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
         const double frame[4] = {-x, x, -y, y};
         memcpy(camera.screen_window, frame, sizeof frame);
     }
-    sagi_pbrt_ignore(p, "shutteropen", NULL);
-    sagi_pbrt_ignore(p, "shutterclose", NULL);
+    const double opens = sagi_params_float(params, "shutteropen", 0);
+    const double exposure = sagi_params_float(params, "shutterclose", 1) - opens;
+    if (!(exposure > 0 && isfinite(exposure)))
+        sagi_params_fail(params, NULL, "the shutter closes %g s after it opened", exposure);
+    sag_world_settings(p->world)->film.exposure_seconds = exposure;
     if (camera.kind == SAG_CAMERA_ENVIRONMENT) {
         char mapping[32]; // "environment" is how older scenes call the one there was
         sagi_params_string(params, "mapping",
@@ -115,15 +118,17 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
                                 SAG_MAX_IMAGE_SIZE);
     film->width = (uint32_t)width, film->height = (uint32_t)height;
     sagi_params_string(params, "filename", "", film->file, sizeof film->file);
-    char sensor[64];
-    sagi_params_string(params, "sensor", "cie1931", sensor, sizeof sensor);
-    if (strcmp(sensor, "cie1931") != 0)
-        sagi_pbrt_warn_once(p, place, "sensor", "Film: the sensor \"%s\" is not supported: XYZ as they are",
-                            sensor);
+    sagi_params_string(params, "sensor", "cie1931", film->sensor, sizeof film->sensor);
+    film->iso = sagi_params_float(params, "iso", 100);
+    film->white_balance_kelvin = sagi_params_float(params, "whitebalance", 0);
+    film->color_space = p->state.color_space;
+    if (!(film->iso > 0)) sagi_params_fail(params, sagi_params_find(params, "iso", ~0u), "iso %g", film->iso);
+    if (!sag_sensor_is_known(film->sensor))
+        sagi_params_fail(params, sagi_params_find(params, "sensor", ~0u), "unknown sensor \"%s\"",
+                         film->sensor);
     sagi_pbrt_ignore(p, "diagonal", NULL);
     sagi_pbrt_ignore(p, "savefp16", NULL);
-    const char *const missing[] = {"cropwindow",   "pixelbounds",       "iso",
-                                   "whitebalance", "maxcomponentvalue", "coordinatesystem"};
+    const char *const missing[] = {"cropwindow", "pixelbounds", "maxcomponentvalue", "coordinatesystem"};
     for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
         sagi_pbrt_ignore(p, missing[i], "is not supported");
     return sagi_pbrt_parameters_done(p);

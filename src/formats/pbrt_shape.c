@@ -35,13 +35,11 @@ static bool closed(sagi_pbrt *p) {
 
 // ---- placing
 
-// The power of an area light spread over the whole shape.
-static sag_rgb emission_of(const sagi_pbrt *p, double area) {
+// What multiplies an area light's colour: its power is spread over the whole shape.
+static double emission_scale(const sagi_pbrt *p, double area) {
     const sagi_area_light *light = &p->state.area_light;
-    double scale = 1;
-    if (light->power > 0 && area > 0 && isfinite(area))
-        scale = light->power / (area * PI * (light->two_sided ? 2 : 1));
-    return (sag_rgb){light->radiance.r * scale, light->radiance.g * scale, light->radiance.b * scale};
+    if (!(light->power > 0 && area > 0 && isfinite(area))) return light->scale;
+    return light->scale * light->power / (area * PI * (light->two_sided ? 2 : 1));
 }
 
 double sagi_pbrt_area_factor(const sagi_pbrt *p) {
@@ -67,7 +65,12 @@ static sag_appearance look_of(sagi_pbrt *p, double area) {
         sagi_pbrt_warn_once(p, p->params.place, "object lights",
                             "area lights within objects are not supported: they do not shine");
     } else if (p->state.area_light.on) {
-        look.emission = emission_of(p, area);
+        const sag_input *const radiance = &p->state.area_light.radiance;
+        const double scale = emission_scale(p, area);
+        look.emission =
+            (sag_rgb){radiance->value.r * scale, radiance->value.g * scale, radiance->value.b * scale};
+        look.emission_spectrum = radiance->spectrum;
+        look.emission_scale = scale;
         look.two_sided = p->state.area_light.two_sided;
     }
     return look;

@@ -1,121 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Textures of a pbrt scene, and parameters that may be colours, numbers, spectra or textures.
-#include "formats/number.h"
+// Textures of a pbrt scene.
 #include "formats/pbrt.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
-
-// A spectrum that is the name of a file: pairs of wavelength and value, white space between, # for comments.
-static sag_status read_spectrum_file(sagi_pbrt *p, const sagi_param *param, sagi_slice name,
-                                     sagi_spectrum_use use, sag_rgb *rgb) {
-    char text[SAGI_MAX_PATH], path[SAGI_MAX_PATH];
-    snprintf(text, sizeof text, "%.*s", (int)(name.length < SAGI_MAX_PATH ? name.length : SAGI_MAX_PATH - 1),
-             name.text);
-    sagi_pbrt_path(p, text, path);
-    sagi_source source = {.file = {0}};
-    if (sagi_file_open(p->context, path, &source.file, NULL) != SAG_OK)
-        return sagi_params_fail(&p->params, param, "there is no spectrum and no file called \"%.200s\"",
-                                text);
-    snprintf(source.path, sizeof source.path, "%s", path);
-    const char *begin = (const char *)source.file.bytes;
-    sagi_cursor cursor = {&source, begin, begin + source.file.size};
-    double pairs[2 * 1024];
-    size_t count = 0;
-    sag_status status;
-    sagi_token token;
-    while ((status = sagi_cursor_next(&cursor, &token, p->error)) == SAG_OK && token.kind != SAGI_TOKEN_END) {
-        const char *const end = token.text.text + token.text.length;
-        if (count == sizeof pairs / sizeof *pairs)
-            status = sagi_place_error(token.place, p->error, "more than 1024 samples");
-        else if (token.kind != SAGI_TOKEN_WORD ||
-                 sagi_parse_number(token.text.text, end, &pairs[count++]) != end)
-            status = sagi_place_error(token.place, p->error, "a number expected");
-        if (status != SAG_OK) break;
-    }
-    if (status == SAG_OK && (count < 2 || count % 2))
-        status = sagi_place_error(token.place, p->error, "pairs of a wavelength and a value expected");
-    if (status == SAG_OK) *rgb = sagi_spectrum_sampled(pairs, count / 2, use);
-    sagi_file_close(&source.file);
-    return p->params.status = status;
-}
-
-static sag_rgb rgb_of(sagi_pbrt *p, const sagi_param *param, sagi_spectrum_use use, sag_rgb otherwise) {
-    sagi_params *params = &p->params;
-    const double *numbers = params->numbers + param->first_number;
-    const size_t count = param->number_count;
-    sag_rgb rgb = otherwise;
-    if (param->type == SAGI_TYPE_RGB) {
-        if (count != 3)
-            sagi_params_fail(params, param, "a colour has 3 numbers, not %zu", count);
-        else
-            rgb = (sag_rgb){numbers[0], numbers[1], numbers[2]};
-    } else if (param->type == SAGI_TYPE_BLACKBODY) {
-        if (count != 1)
-            sagi_params_fail(params, param, "a black body has one temperature, not %zu", count);
-        else
-            rgb = sagi_spectrum_blackbody(numbers[0]);
-    } else if (param->type == SAGI_TYPE_SPECTRUM && param->string_count == 1 && count == 0) {
-        const sagi_slice name = params->strings[param->first_string];
-        if (!sagi_spectrum_named(name, &rgb)) read_spectrum_file(p, param, name, use, &rgb);
-    } else if (param->type == SAGI_TYPE_SPECTRUM && param->string_count == 0 && count >= 2 &&
-               count % 2 == 0) {
-        rgb = sagi_spectrum_sampled(numbers, count / 2, use);
-    } else if ((param->type == SAGI_TYPE_FLOAT || param->type == SAGI_TYPE_INTEGER) && count == 1) {
-        rgb = (sag_rgb){numbers[0], numbers[0], numbers[0]};
-    } else {
-        sagi_params_fail(params, param, "\"%.*s\": a name or pairs of a wavelength and a value expected",
-                         (int)param->name.length, param->name.text);
-    }
-    if (!(isfinite(rgb.r) && isfinite(rgb.g) && isfinite(rgb.b)))
-        sagi_params_fail(params, param, "\"%.*s\" is not finite", (int)param->name.length, param->name.text);
-    return rgb;
-}
-
-#define COLOR_TYPES (SAGI_TYPE_RGB | SAGI_TYPE_SPECTRUM | SAGI_TYPE_BLACKBODY | SAGI_TYPE_FLOAT)
-
-sag_rgb sagi_pbrt_rgb(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise) {
-    const sagi_param *param = sagi_params_find(&p->params, name, COLOR_TYPES);
-    return param ? rgb_of(p, param, use, otherwise) : otherwise;
-}
-
-// The texture a parameter names, in the map of its class or, with a word about it, the other.
-static sag_texture_id texture_of(sagi_pbrt *p, const sagi_param *param, const sagi_names *first,
-                                 const sagi_names *second) {
-    sagi_params *params = &p->params;
-    uint32_t id = 0;
-    if (param->string_count != 1) {
-        sagi_params_fail(params, param, "the name of one texture expected");
-        return 0;
-    }
-    const sagi_slice name = params->strings[param->first_string];
-    if (!sagi_names_get(first, name, &id) && !sagi_names_get(second, name, &id))
-        sagi_params_fail(params, param, "there is no texture \"%.*s\"",
-                         (int)(name.length < 100 ? name.length : 100), name.text);
-    return id;
-}
-
-sag_input sagi_pbrt_spectrum_input(sagi_pbrt *p, const char *name, sagi_spectrum_use use, sag_rgb otherwise) {
-    const sagi_param *param = sagi_params_find(&p->params, name, COLOR_TYPES | SAGI_TYPE_TEXTURE);
-    sag_input input = {.value = otherwise};
-    if (param && param->type == SAGI_TYPE_TEXTURE)
-        input.texture = texture_of(p, param, &p->spectrum_textures, &p->float_textures);
-    else if (param)
-        input.value = rgb_of(p, param, use, otherwise);
-    return input;
-}
-
-sag_input sagi_pbrt_float_input(sagi_pbrt *p, const char *name, double otherwise) {
-    const sagi_param *param =
-        sagi_params_find(&p->params, name, SAGI_TYPE_FLOAT | SAGI_TYPE_INTEGER | SAGI_TYPE_TEXTURE);
-    sag_input input = {.value = {otherwise, otherwise, otherwise}};
-    if (param && param->type == SAGI_TYPE_TEXTURE)
-        input.texture = texture_of(p, param, &p->float_textures, &p->spectrum_textures);
-    else if (param)
-        input.value = rgb_of(p, param, SAGI_SPECTRUM_INDEX, input.value);
-    return input;
-}
 
 // (u, v) scaled and moved; other mappings than that are taken for it.
 static void read_mapping(sagi_pbrt *p, sagi_place place, sag_texture *texture) {
@@ -174,7 +61,7 @@ static void approximate(sagi_pbrt *p, sagi_place place, const char *kind, sag_te
 }
 
 static sag_status read_texture(sagi_pbrt *p, sagi_place place, const char *kind, sag_texture *texture) {
-    const sag_rgb one = {1, 1, 1}, zero = {0, 0, 0};
+    const double one = 1, zero = 0;
     const sagi_spectrum_use use = SAGI_SPECTRUM_REFLECTANCE;
     static const char *const missing[] = {"bilerp", "directionmix", "dots",  "fbm",
                                           "marble", "ptex",         "windy", "wrinkled"};

@@ -8,7 +8,6 @@
 // normal makes no sense and the geometric one takes its place, so that no black rims appear.
 #include "bsdf.h"
 
-#include "fresnel.h"
 #include "warp.h"
 
 void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, sag_vec3 tangent,
@@ -57,9 +56,9 @@ void sagi_bsdf_regularize(sagi_bsdf *bsdf) {
     bsdf->specular = false;
 }
 
-sag_rgb sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *pdf) {
+sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *pdf) {
     *pdf = 0;
-    sag_rgb black = {0, 0, 0};
+    const sagi_spectrum black = {0, 0, 0, 0};
     if (bsdf->specular) return black;
     sag_vec3 wi = to_local(bsdf, wi_scene);
     if (wi.z == 0 || bsdf->wo.z == 0 || !sides_agree(bsdf, wi_scene, wi.z * bsdf->wo.z < 0)) return black;
@@ -96,26 +95,14 @@ bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_
     case SAG_MATERIAL_COATED_DIFFUSE: found = sagi_coated_sample(bsdf, choose, u, sample); break;
     case SAG_MATERIAL_INTERFACE: break;
     }
-    if (!found || sagi_rgb_is_black(sample->weight)) return false;
+    if (!found || sagi_spectrum_is_black(sample->weight)) return false;
     sample->wi = to_scene(bsdf, sample->wi);
     return sides_agree(bsdf, sample->wi, sample->transmission);
 }
 
 // Lambert: the same radiance in all directions; f = ρ/π.
-sag_rgb sagi_diffuse_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
-    if (!(wi.z * bsdf->wo.z > 0)) return (sag_rgb){0, 0, 0};
+sagi_spectrum sagi_diffuse_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
+    if (!(wi.z * bsdf->wo.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
     *pdf = fabs(wi.z) * SAGI_INV_PI;
-    return sagi_rgb_scale(bsdf->color, *pdf);
-}
-
-sag_rgb sagi_bsdf_albedo(const sagi_bsdf *bsdf) {
-    switch (bsdf->kind) {
-    case SAG_MATERIAL_DIFFUSE:
-    case SAG_MATERIAL_COATED_DIFFUSE: return bsdf->color;
-    case SAG_MATERIAL_CONDUCTOR: return sagi_fresnel_conductor_rgb(1, bsdf->eta, bsdf->k);
-    case SAG_MATERIAL_DIELECTRIC:
-    case SAG_MATERIAL_THIN_DIELECTRIC:
-    case SAG_MATERIAL_INTERFACE: break;
-    }
-    return sagi_rgb_grey(1);
+    return bsdf->color * (float)*pdf;
 }

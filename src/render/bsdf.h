@@ -6,6 +6,7 @@
 #define SAGI_RENDER_BSDF_H
 
 #include "microfacet.h"
+#include "spectrum.h"
 
 typedef struct sagi_bsdf {
     sag_material_kind kind;
@@ -14,22 +15,23 @@ typedef struct sagi_bsdf {
     sag_vec3 geometric; // unit geometric normal, on the front
     sag_vec3 wo;        // in the shading frame
     double wo_side;     // the sign of wo on the geometric normal
-    sag_rgb color;      // reflectance
-    sag_rgb eta, k;     // of a metal
-    double ior;         // of glass and coats
+    bool dispersed;     // ior is that of the first wavelength only
+    sagi_spectrum color;  // reflectance
+    sagi_spectrum eta, k; // of a metal
+    double ior;           // of glass and coats
     // Of coats, see coated.c: sagi_fresnel_inner_mean, the material's own, and base: color with all inner
     // bounces.
     double inner_mean, thickness;
     uint32_t bounces;
-    sag_rgb base;
+    sagi_spectrum base;
     sagi_microfacet facets;
 } sagi_bsdf;
 
 typedef struct sagi_bsdf_sample {
-    sag_vec3 wi;    // in the scene's space
-    sag_rgb weight; // f |cos θ|/pdf
-    double pdf;     // per solid angle of all lobes together; of no meaning when specular
-    bool specular;  // a single direction
+    sag_vec3 wi;          // in the scene's space
+    sagi_spectrum weight; // f |cos θ|/pdf
+    double pdf;           // per solid angle of all lobes together; of no meaning when specular
+    bool specular;        // a single direction
     bool transmission;
     double eta; // of a transmission: the ratio of indices as the path crosses, else 1
 } sagi_bsdf_sample;
@@ -38,7 +40,7 @@ typedef struct sagi_bsdf_sample {
 void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, sag_vec3 tangent,
                          sag_vec3 wo);
 // f(wo, wi) |cos θi| and the density with which sample would find wi; black and 0 for specular ones.
-sag_rgb sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 // Draws wi. False when the light ends here.
 bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 // Roughens mirrors and facets with α < 0.3 to 2α, at least 0.1 and at most 0.3, as pbrt does: a path that was
@@ -46,19 +48,17 @@ bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_
 // (Kaplanyan & Dachsbacher, "Path Space Regularization for Holistic and Robust Light Transport", Eurographics
 // 2013).
 void sagi_bsdf_regularize(sagi_bsdf *bsdf);
-// What the albedo integrator shows.
-sag_rgb sagi_bsdf_albedo(const sagi_bsdf *bsdf);
 
 // The lobes, in the shading frame; used by bsdf.c. Each is as the functions above, wo and wi being local.
-sag_rgb sagi_diffuse_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
-sag_rgb sagi_conductor_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+sagi_spectrum sagi_diffuse_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+sagi_spectrum sagi_conductor_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_conductor_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *sample);
-sag_rgb sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+sagi_spectrum sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_dielectric_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sample);
 // Once color and the coat's numbers are known.
 void sagi_coated_prepare(sagi_bsdf *bsdf);
-sag_rgb sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 
 #endif

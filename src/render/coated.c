@@ -16,16 +16,16 @@
 #include "warp.h"
 
 // The sum of the first `terms` powers of x, all for 0; 0 ≤ x < 1.
-static double bounces_sum(double x, uint32_t terms) {
-    return (terms == 0 ? 1 : 1 - pow(x, (double)terms)) / (1 - x);
+static sagi_spectrum bounces_sum(sagi_spectrum x, uint32_t terms) {
+    sagi_spectrum power = {1, 1, 1, 1}, square = x;
+    if (terms == 0) return 1 / (1 - x);
+    for (uint32_t rest = terms; rest != 0; rest >>= 1, square *= square)
+        if (rest & 1) power *= square;
+    return (1 - power) / (1 - x);
 }
 
 void sagi_coated_prepare(sagi_bsdf *bsdf) {
-    sag_rgb c = bsdf->color;
-    double r = bsdf->inner_mean;
-    bsdf->base =
-        sagi_rgb(c.r * bounces_sum(c.r * r, bsdf->bounces), c.g * bounces_sum(c.g * r, bsdf->bounces),
-                 c.b * bounces_sum(c.b * r, bsdf->bounces));
+    bsdf->base = bsdf->color * bounces_sum(bsdf->color * (float)bsdf->inner_mean, bsdf->bounces);
 }
 
 // What gets through the coat in direction w, w.z > 0, one way, given its reflectance there.
@@ -36,7 +36,7 @@ static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectanc
 }
 
 static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
-    double base_share = (1 - reflectance) * sagi_rgb_max(bsdf->base) * (1 - bsdf->inner_mean);
+    double base_share = (1 - reflectance) * (double)sagi_spectrum_max(bsdf->base) * (1 - bsdf->inner_mean);
     // In proportion to what each gives back, but the coat, which may show a bright light, never seldom.
     return sagi_clamp(reflectance / (reflectance + base_share), 0.1, 1);
 }
@@ -44,22 +44,22 @@ static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
 // The coat is the same from both sides: both directions are turned up.
 static sag_vec3 upward(const sagi_bsdf *bsdf, sag_vec3 w) { return bsdf->wo.z < 0 ? sag_neg(w) : w; }
 
-static sag_rgb eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi, double *pdf) {
+static sagi_spectrum eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi, double *pdf) {
     double out = sagi_fresnel_dielectric(wo.z, bsdf->ior), in = sagi_fresnel_dielectric(wi.z, bsdf->ior);
     double coat = coat_probability(bsdf, out);
     double through = transmittance(bsdf, wo, out) * transmittance(bsdf, wi, in) / (bsdf->ior * bsdf->ior);
-    sag_rgb value = sagi_rgb_scale(bsdf->base, through * wi.z * SAGI_INV_PI);
+    const sagi_spectrum value = bsdf->base * (float)(through * wi.z * SAGI_INV_PI);
     *pdf = (1 - coat) * wi.z * SAGI_INV_PI;
     if (!(bsdf->facets.ax > 0)) return value;
     sag_vec3 m = sag_normalize(sag_add(wo, wi));
     double cos_m = sag_dot(wo, m);
     double facets = sagi_microfacet_d(bsdf->facets, m) * sagi_microfacet_g(bsdf->facets, wo, wi) / (4 * wo.z);
     *pdf += coat * sagi_microfacet_pdf(bsdf->facets, wo, m) / (4 * cos_m);
-    return sagi_rgb_add(value, sagi_rgb_grey(facets * sagi_fresnel_dielectric(cos_m, bsdf->ior)));
+    return value + (float)(facets * sagi_fresnel_dielectric(cos_m, bsdf->ior));
 }
 
-sag_rgb sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
-    if (!(wi.z * bsdf->wo.z > 0)) return (sag_rgb){0, 0, 0};
+sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
+    if (!(wi.z * bsdf->wo.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
     return eval_upward(bsdf, upward(bsdf, bsdf->wo), upward(bsdf, wi), pdf);
 }
 
@@ -70,7 +70,7 @@ bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_b
     if (choose < coat) {
         if (!(bsdf->facets.ax > 0)) {
             sample->wi = upward(bsdf, sag_vec3_make(-wo.x, -wo.y, wo.z));
-            sample->weight = sagi_rgb_grey(reflectance / coat);
+            sample->weight = sagi_spectrum_all(reflectance / coat);
             sample->specular = true;
             return true;
         }
@@ -80,9 +80,9 @@ bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_b
         wi = sagi_warp_cosine(u);
     }
     if (!(wi.z > 0)) return false;
-    sag_rgb value = eval_upward(bsdf, wo, wi, &sample->pdf);
+    const sagi_spectrum value = eval_upward(bsdf, wo, wi, &sample->pdf);
     if (!(sample->pdf > 0)) return false;
-    sample->weight = sagi_rgb_scale(value, 1 / sample->pdf);
+    sample->weight = value * (float)(1 / sample->pdf);
     sample->wi = upward(bsdf, wi);
     return true;
 }

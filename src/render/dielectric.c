@@ -8,33 +8,33 @@
 #include "fresnel.h"
 
 // What eval and pdf have in common: the two lobes' facet is known, `reflected` says which lobe.
-static sag_rgb facet_value(const sagi_bsdf *bsdf, sag_vec3 wi, sag_vec3 m, bool reflected, double eta,
-                           double *pdf) {
+static double facet_value(const sagi_bsdf *bsdf, sag_vec3 wi, sag_vec3 m, bool reflected, double eta,
+                          double *pdf) {
     sag_vec3 wo = bsdf->wo;
     double cos_o = sag_dot(wo, m), cos_i = sag_dot(wi, m);
     *pdf = 0;
     // Facets seen from behind are in the shade of others.
-    if (!(cos_i * wi.z > 0) || !(cos_o * wo.z > 0)) return (sag_rgb){0, 0, 0};
+    if (!(cos_i * wi.z > 0) || !(cos_o * wo.z > 0)) return 0;
     double reflectance = sagi_fresnel_dielectric(cos_o, bsdf->ior);
     double common = sagi_microfacet_d(bsdf->facets, m) * sagi_microfacet_g(bsdf->facets, wo, wi);
     double facet_pdf = sagi_microfacet_pdf(bsdf->facets, wo, m);
     if (reflected) {
         *pdf = facet_pdf / (4 * fabs(cos_o)) * reflectance;
-        return sagi_rgb_grey(common * reflectance / (4 * fabs(wo.z)));
+        return common * reflectance / (4 * fabs(wo.z));
     }
     double q = sagi_square(cos_i + cos_o / eta);
     *pdf = facet_pdf * fabs(cos_i) / q * (1 - reflectance);
-    return sagi_rgb_grey(common * (1 - reflectance) * fabs(cos_i * cos_o / (wo.z * q)) / (eta * eta));
+    return common * (1 - reflectance) * fabs(cos_i * cos_o / (wo.z * q)) / (eta * eta);
 }
 
-sag_rgb sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
+sagi_spectrum sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
     sag_vec3 wo = bsdf->wo;
     bool reflected = wi.z * wo.z > 0;
     double eta = reflected ? 1 : wo.z > 0 ? bsdf->ior : 1 / bsdf->ior;
     sag_vec3 m = sag_normalize(sag_madd(wo, eta, wi));
     if (m.z < 0) m = sag_neg(m);
-    if (!(m.z > 0)) return (sag_rgb){0, 0, 0};
-    return facet_value(bsdf, wi, m, reflected, eta, pdf);
+    if (!(m.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
+    return sagi_spectrum_all(facet_value(bsdf, wi, m, reflected, eta, pdf));
 }
 
 static bool smooth_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sample) {
@@ -43,12 +43,12 @@ static bool smooth_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample
     sample->specular = true;
     if (choose < reflectance) {
         sample->wi = sag_vec3_make(-wo.x, -wo.y, wo.z);
-        sample->weight = sagi_rgb_grey(1);
+        sample->weight = sagi_spectrum_all(1);
         return true;
     }
     if (!sagi_refract(wo, sag_vec3_make(0, 0, 1), bsdf->ior, &sample->eta, &sample->wi)) return false;
     sample->transmission = true;
-    sample->weight = sagi_rgb_grey(1 / (sample->eta * sample->eta));
+    sample->weight = sagi_spectrum_all(1 / (sample->eta * sample->eta));
     return true;
 }
 
@@ -67,9 +67,9 @@ bool sagi_dielectric_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sa
         sample->transmission = true;
         sample->eta = eta;
     }
-    sag_rgb value = facet_value(bsdf, sample->wi, m, reflected, eta, &sample->pdf);
+    const double value = facet_value(bsdf, sample->wi, m, reflected, eta, &sample->pdf);
     if (!(sample->pdf > 0)) return false;
-    sample->weight = sagi_rgb_scale(value, 1 / sample->pdf);
+    sample->weight = sagi_spectrum_all(value / sample->pdf);
     return true;
 }
 
@@ -80,7 +80,7 @@ bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sa
     if (reflectance < 1)
         reflectance += sagi_square(1 - reflectance) * reflectance / (1 - reflectance * reflectance);
     sample->specular = true;
-    sample->weight = sagi_rgb_grey(1);
+    sample->weight = sagi_spectrum_all(1);
     sample->transmission = !(choose < reflectance);
     sample->wi = sample->transmission ? sag_neg(wo) : sag_vec3_make(-wo.x, -wo.y, wo.z);
     return true;

@@ -36,9 +36,17 @@ double sagi_fresnel_conductor(double cos_i, double eta, double k) {
     return sagi_clamp((parallel + perpendicular) / 2, 0, 1);
 }
 
-sag_rgb sagi_fresnel_conductor_rgb(double cos_i, sag_rgb eta, sag_rgb k) {
-    return sagi_rgb(sagi_fresnel_conductor(cos_i, eta.r, k.r), sagi_fresnel_conductor(cos_i, eta.g, k.g),
-                    sagi_fresnel_conductor(cos_i, eta.b, k.b));
+sagi_spectrum sagi_fresnel_conductor_spectrum(double cos_i, sagi_spectrum eta, sagi_spectrum k) {
+    cos_i = sagi_clamp(fabs(cos_i), 0, 1);
+    const float cosine = (float)cos_i, c = (float)(cos_i * cos_i), s = (float)(1 - cos_i * cos_i);
+    const sagi_spectrum eta2 = eta * eta, k2 = k * k, t = eta2 - k2 - s, product = 4 * eta2 * k2;
+    const sagi_spectrum sum = sagi_spectrum_sqrt(t * t + product);
+    // (sum + t)/2 without cancellation.
+    const sagi_spectrum a2 = sagi_spectrum_choose(t >= 0, sum + t, product / (sum - t)) * 0.5F;
+    const sagi_spectrum x = 2 * cosine * sagi_spectrum_sqrt(a2);
+    const sagi_spectrum perpendicular = (sum + c - x) / (sum + c + x), inner = c * sum + s * s;
+    const sagi_spectrum parallel = perpendicular * (inner - x * s) / (inner + x * s);
+    return sagi_spectrum_clamp((parallel + perpendicular) * 0.5F);
 }
 
 bool sagi_refract(sag_vec3 w, sag_vec3 n, double eta, double *eta_path, sag_vec3 *refracted) {

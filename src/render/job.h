@@ -4,6 +4,7 @@
 #define SAGI_RENDER_JOB_H
 
 #include "camera.h"
+#include "sensor.h"
 #include "wave.h"
 
 #include <stdatomic.h>
@@ -20,6 +21,8 @@ struct sag_render {
     sagi_sampler_plan sampler_plan;
     sagi_sampler sampler; // as it stands before the first pixel
     sagi_lights lights;
+    sagi_sensor sensor;
+    sagi_wavelength_table wavelengths;
     bool see_through; // some geometry has alpha or an interface material: rays may have to go on
 
     uint32_t width, height, tiles_x, tiles_y;
@@ -41,5 +44,11 @@ struct sag_render {
     double next_report;
     atomic_bool cancelled;
 };
+
+// Whether samples are light by wavelength, which the sensor makes numbers of.
+static inline bool sagi_is_spectral(const sag_render *render) {
+    return render->settings.integrator == SAG_INTEGRATOR_PATH ||
+           render->settings.integrator == SAG_INTEGRATOR_DIRECT;
+}
 
 #endif

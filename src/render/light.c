@@ -13,11 +13,12 @@
 
 #include <string.h>
 
-sag_rgb sagi_emission(const sagi_appearance *appearance, const sag_surface *surface, sag_vec3 wo) {
-    if (!appearance) return (sag_rgb){0, 0, 0};
-    if (!appearance->look.two_sided && !(sag_dot(surface->geometric_normal, wo) > 0))
-        return (sag_rgb){0, 0, 0};
-    return appearance->look.emission;
+sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface *surface, sag_vec3 wo,
+                            sagi_spectrum lambda) {
+    const sagi_spectrum black = {0, 0, 0, 0};
+    if (!appearance || !(appearance->brightness > 0)) return black;
+    if (!appearance->look.two_sided && !(sag_dot(surface->geometric_normal, wo) > 0)) return black;
+    return sagi_color_at(&appearance->emission, lambda);
 }
 
 double sagi_surface_weight(const sagi_lights *lights, double surface_pdf, double light_pdf) {
@@ -49,28 +50,29 @@ static double spot_falloff(const sagi_light *light, sag_vec3 away) {
     return x * x * (3 - 2 * x);
 }
 
-static bool sample_point(const sagi_light *light, const sagi_shading_point *from, sagi_light_sample *sample) {
+static bool sample_point(const sagi_light *light, const sagi_shading_point *from, sagi_spectrum lambda,
+                         sagi_light_sample *sample) {
     sag_vec3 d = sag_sub(light->light.from, from->position);
     double distance = sag_length(d);
     if (!(distance > 0)) return false;
     sample->wi = sag_scale(d, 1 / distance);
     double scale = 1 / distance / distance;
     if (light->light.kind == SAG_LIGHT_SPOT) scale *= spot_falloff(light, sag_neg(sample->wi));
-    sample->radiance = sagi_rgb_scale(light->light.color, scale);
+    sample->radiance = sagi_color_at(&light->color, lambda) * (float)scale;
     sample->delta = true;
     sample->target = SAGI_TARGET_POINT;
     sample->point = light->light.from;
     return scale > 0;
 }
 
-static bool sample_light(const sagi_light *light, const sagi_shading_point *from, sag_vec2 u,
-                         sagi_light_sample *sample) {
+static bool sample_light(const sagi_light *light, const sagi_shading_point *from, sagi_spectrum lambda,
+                         sag_vec2 u, sagi_light_sample *sample) {
     switch (light->light.kind) {
     case SAG_LIGHT_POINT:
-    case SAG_LIGHT_SPOT: return sample_point(light, from, sample);
+    case SAG_LIGHT_SPOT: return sample_point(light, from, lambda, sample);
     case SAG_LIGHT_DISTANT:
         sample->wi = light->axis;
-        sample->radiance = light->light.color;
+        sample->radiance = sagi_color_at(&light->color, lambda);
         sample->delta = true;
         sample->target = SAGI_TARGET_FAR;
         return true;
@@ -79,7 +81,7 @@ static bool sample_light(const sagi_light *light, const sagi_shading_point *from
     }
     if (!sagi_sky_sample(light, from, u, &sample->wi)) return false;
     sample->pdf *= sagi_sky_pdf(light, from, sample->wi);
-    sample->radiance = sagi_sky_radiance(light, sample->wi);
+    sample->radiance = sagi_sky_radiance(light, sample->wi, lambda);
     sample->target = SAGI_TARGET_FAR;
     return sample->pdf > 0;
 }
@@ -89,7 +91,8 @@ static const sagi_appearance *appearance_at(const sagi_lights *lights, uint32_t 
 }
 
 static bool sample_area(const sagi_lights *lights, const sagi_area_light *area,
-                        const sagi_shading_point *from, sag_vec2 u, sagi_light_sample *sample) {
+                        const sagi_shading_point *from, sagi_spectrum lambda, sag_vec2 u,
+                        sagi_light_sample *sample) {
     const sagi_area_group *group = &lights->groups[area->group];
     const sagi_appearance *appearance = appearance_at(lights, group->appearance);
     double density = 0, cone = area->radius > 0 ? sagi_ball_cone(area, from->position) : 0;
@@ -106,25 +109,25 @@ static bool sample_area(const sagi_lights *lights, const sagi_area_light *area,
     double cosine = fabs(sag_dot(sample->wi, sample->surface.geometric_normal));
     if (!(cosine > 0)) return false;
     sample->pdf *= cone > 0 ? 1 / (2 * SAGI_RENDER_PI * cone) : density * distance2 / cosine;
-    sample->radiance = sagi_emission(appearance, &sample->surface, sag_neg(sample->wi));
+    sample->radiance = sagi_emission(appearance, &sample->surface, sag_neg(sample->wi), lambda);
     sample->target = SAGI_TARGET_SURFACE;
-    return isfinite(sample->pdf) && !sagi_rgb_is_black(sample->radiance);
+    return isfinite(sample->pdf) && !sagi_spectrum_is_black(sample->radiance);
 }
 
-bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, double choose, sag_vec2 u,
-                        sagi_light_sample *sample) {
+bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
+                        double choose, sag_vec2 u, sagi_light_sample *sample) {
     if (lights->choice.count == 0) return false;
     double rest;
     uint32_t index = sagi_alias_sample(&lights->choice, choose, &rest);
     sample->pdf = lights->choice.entries[index].probability;
     sample->delta = false;
-    if (index < lights->light_count) return sample_light(&lights->lights[index], from, u, sample);
-    return sample_area(lights, &lights->areas[index - lights->light_count], from, u, sample);
+    if (index < lights->light_count) return sample_light(&lights->lights[index], from, lambda, u, sample);
+    return sample_area(lights, &lights->areas[index - lights->light_count], from, lambda, u, sample);
 }
 
-sag_rgb sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
-                        double surface_pdf) {
-    sag_rgb sum = {0, 0, 0};
+sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
+                              sagi_spectrum lambda, double surface_pdf) {
+    sagi_spectrum sum = {0, 0, 0, 0};
     for (uint32_t i = 0; i < lights->light_count; i++) {
         const sagi_light *light = &lights->lights[i];
         if (light->light.kind != SAG_LIGHT_INFINITE && light->light.kind != SAG_LIGHT_SKY) continue;
@@ -133,7 +136,7 @@ sag_rgb sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *fro
             double choice = lights->choice.entries[i].probability;
             weight = sagi_surface_weight(lights, surface_pdf, choice * sagi_sky_pdf(light, from, wi));
         }
-        sum = sagi_rgb_add(sum, sagi_rgb_scale(sagi_sky_radiance(light, wi), weight));
+        sum += sagi_sky_radiance(light, wi, lambda) * (float)weight;
     }
     return sum;
 }

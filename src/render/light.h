@@ -10,6 +10,8 @@
 // A light that is not a geometry.
 typedef struct sagi_light {
     sag_light light;
+    sagi_color color, horizon; // the light's, made ready
+    double brightness;         // of the color
     sag_vec3 axis;             // unit; spot: where it looks, distant: where its light comes from
     double cos_cone, cos_full; // spot: of the half angles where light ends and where it is full
     bool placed;               // infinite with a picture: from_world and to_world matter
@@ -57,10 +59,10 @@ typedef struct sagi_shading_point {
 typedef enum sagi_light_target { SAGI_TARGET_FAR, SAGI_TARGET_POINT, SAGI_TARGET_SURFACE } sagi_light_target;
 
 typedef struct sagi_light_sample {
-    sag_vec3 wi;      // unit, towards the light
-    sag_rgb radiance; // arriving if nothing is in the way; intensity/distance² for points
-    double pdf;       // of the choice and, unless delta, per solid angle of wi
-    bool delta;       // no ray finds this light
+    sag_vec3 wi;            // unit, towards the light
+    sagi_spectrum radiance; // arriving if nothing is in the way; intensity/distance² for points
+    double pdf;             // of the choice and, unless delta, per solid angle of wi
+    bool delta;             // no ray finds this light
     sagi_light_target target;
     sag_vec3 point;      // SAGI_TARGET_POINT
     sag_surface surface; // SAGI_TARGET_SURFACE
@@ -71,19 +73,20 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
 void sagi_lights_clear(sagi_lights *lights);
 
 // Draws a light and a direction. False when it gives nothing.
-bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, double choose, sag_vec2 u,
-                        sagi_light_sample *sample);
+bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
+                        double choose, sag_vec2 u, sagi_light_sample *sample);
 // Radiance from the unit direction wi where no surface is hit. `from` NULL: as it is (seen by the camera or
 // through a mirror); else weighted, light by light, for a direction that the surface's sampling found with
 // surface_pdf.
-sag_rgb sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
-                        double surface_pdf);
+sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
+                              sagi_spectrum lambda, double surface_pdf);
 // The density with which sagi_lights_sample finds a point of a shining surface, per solid angle seen from
 // `from`.
 double sagi_lights_area_pdf(const sagi_lights *lights, sag_vec3 from, sag_vec3 wi, const sag_hit *hit,
                             const sag_surface *surface);
 // What a surface with this appearance sends to direction wo. The surface is oriented (sagi_orient).
-sag_rgb sagi_emission(const sagi_appearance *appearance, const sag_surface *surface, sag_vec3 wo);
+sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface *surface, sag_vec3 wo,
+                            sagi_spectrum lambda);
 
 // The weights of what was found by sampling the surface, and by sampling the lights, under the strategy in
 // use.
@@ -100,7 +103,7 @@ bool sagi_ball_find(const sag_scene *scene, uint32_t geometry, uint32_t primitiv
                     double *radius);
 
 // Radiance of an infinite or sky light, and its density; sky.c.
-sag_rgb sagi_sky_radiance(const sagi_light *light, sag_vec3 wi);
+sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 wi, sagi_spectrum lambda);
 double sagi_sky_pdf(const sagi_light *light, const sagi_shading_point *from, sag_vec3 wi);
 bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sag_vec2 u, sag_vec3 *wi);
 sag_status sagi_sky_init(sagi_light *light, const sag_context *context, sag_error *error);

@@ -13,11 +13,27 @@ static bool color_is_valid(sag_rgb color) {
     return color.r >= 0 && color.g >= 0 && color.b >= 0 && sagi_rgb_is_finite(color);
 }
 
-static sag_status init_light(sagi_light *light, const sag_light *description, const sag_context *context,
+// The light's colours, made ready.
+static void init_color(sagi_light *light, const sag_world *world) {
+    const sag_light *description = &light->light;
+    const sagi_spectrum_entry *spectrum = sagi_spectrum_of(world, description->spectrum);
+    light->brightness = sagi_rgb_mean(description->color);
+    if (spectrum) {
+        light->color = spectrum->color;
+        light->color.scale = (float)((double)light->color.scale * light->brightness);
+        light->brightness *= spectrum->brightness;
+    } else {
+        light->color = sagi_color_of_rgb(SAG_COLOR_SRGB, description->color, SAGI_RGB_ILLUMINANT);
+    }
+    light->horizon = sagi_color_of_rgb(SAG_COLOR_SRGB, description->horizon, SAGI_RGB_ILLUMINANT);
+}
+
+static sag_status init_light(sagi_light *light, const sag_light *description, const sag_world *world,
                              uint32_t id, sag_error *error) {
     light->light = *description;
     if (!color_is_valid(description->color) || !color_is_valid(description->horizon))
         return sag_error_set(error, SAG_ERROR_ARGUMENT, "light %u has a negative or infinite colour", id);
+    init_color(light, world);
     if (!sag_is_finite(description->from) || !sag_is_finite(description->to))
         return sag_error_set(error, SAG_ERROR_ARGUMENT, "light %u has a place that is not finite", id);
     sag_vec3 along = sag_sub(description->to, description->from);
@@ -34,7 +50,7 @@ static sag_status init_light(sagi_light *light, const sag_light *description, co
         light->cos_full = cos(cone - delta);
     }
     light->axis = sag_normalize(description->kind == SAG_LIGHT_DISTANT ? sag_neg(along) : along);
-    return description->kind == SAG_LIGHT_INFINITE ? sagi_sky_init(light, context, error) : SAG_OK;
+    return description->kind == SAG_LIGHT_INFINITE ? sagi_sky_init(light, world->context, error) : SAG_OK;
 }
 
 // How many primitives of a geometry are sampled one by one; the rest are sampled as a whole.
@@ -54,7 +70,7 @@ static uint32_t primitive_count(const sag_scene *scene, uint32_t geometry, bool 
 }
 
 static bool shines(const sagi_appearance *appearance, const sag_world *world) {
-    return appearance->scene == world->scene && !sagi_rgb_is_black(appearance->look.emission);
+    return appearance->scene == world->scene && appearance->brightness > 0;
 }
 
 // Fills the groups and counts the area lights.
@@ -101,14 +117,14 @@ static void fill_areas(sagi_lights *lights, double *weights) {
             if (!sagi_ball_find(group->scene, group->geometry, i, &light->center, &light->radius))
                 light->radius = 0;
             weights[group->first + i] =
-                usable ? SAGI_RENDER_PI * sides * area * sagi_rgb_mean(look->emission) : 0;
+                usable ? SAGI_RENDER_PI * sides * area * all[group->appearance].brightness : 0;
         }
     }
 }
 
 // The power of a light in the scene, or 0 for one at infinity.
 static double light_power(const sagi_light *light) {
-    double brightness = sagi_rgb_mean(light->light.color);
+    const double brightness = light->brightness;
     if (light->light.kind == SAG_LIGHT_POINT) return 4 * SAGI_RENDER_PI * brightness;
     if (light->light.kind == SAG_LIGHT_SPOT)
         return 2 * SAGI_RENDER_PI * brightness * (1 - (light->cos_full + light->cos_cone) / 2);
@@ -116,7 +132,7 @@ static double light_power(const sagi_light *light) {
 }
 
 static bool at_infinity(const sagi_light *light) {
-    if (sagi_rgb_is_black(light->light.color) && sagi_rgb_is_black(light->light.horizon)) return false;
+    if (!(light->brightness > 0) && sagi_rgb_is_black(light->light.horizon)) return false;
     return light->light.kind != SAG_LIGHT_POINT && light->light.kind != SAG_LIGHT_SPOT;
 }
 
@@ -152,7 +168,7 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
     }
     for (uint32_t i = 0; i < light_count; i++) {
         const sag_light *description = (const sag_light *)world->lights.items + i;
-        sag_status status = init_light(&lights->lights[i], description, context, i + 1, error);
+        sag_status status = init_light(&lights->lights[i], description, world, i + 1, error);
         if (status != SAG_OK) return status;
     }
     if (appearance_count) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // From a material's inputs and a point of a surface to the BSDF there.
+#include "fresnel.h"
 #include "world.h"
 
 // Below this α the facets' highlight is narrower than anything a picture shows: a mirror (as pbrt has it).
@@ -23,52 +24,106 @@ static sagi_microfacet read_roughness(const sag_world *world, const sag_material
 }
 
 // A metal given by its colour at normal incidence: η = 1 and the κ that reflects as much.
-static void metal_from_reflectance(sagi_bsdf *bsdf, sag_rgb reflectance) {
-    sag_rgb r = sagi_rgb(sagi_clamp(reflectance.r, 0, 0.9999), sagi_clamp(reflectance.g, 0, 0.9999),
-                         sagi_clamp(reflectance.b, 0, 0.9999));
-    bsdf->eta = sagi_rgb_grey(1);
-    bsdf->k = sagi_rgb(2 * sqrt(r.r / (1 - r.r)), 2 * sqrt(r.g / (1 - r.g)), 2 * sqrt(r.b / (1 - r.b)));
+static void metal_from_reflectance(sagi_bsdf *bsdf, sagi_spectrum reflectance) {
+    const sagi_spectrum most = {0.9999F, 0.9999F, 0.9999F, 0.9999F};
+    sagi_spectrum r = sagi_spectrum_clamp(reflectance);
+    r = sagi_spectrum_choose(r < most, r, most);
+    bsdf->eta = sagi_spectrum_all(1);
+    bsdf->k = 2 * sagi_spectrum_sqrt(r / (1 - r));
+}
+
+static bool has_index(const sag_material *material) {
+    return material->eta.texture || material->k.texture || material->eta.spectrum || material->k.spectrum ||
+           !sagi_rgb_is_black(material->eta.value) || !sagi_rgb_is_black(material->k.value);
+}
+
+// The index of refraction of glass or a coat.
+static void read_index(const sagi_material *entry, sagi_spectrum lambda, sagi_bsdf *bsdf) {
+    if (!(entry->eta.scale > 0)) return;
+    bsdf->dispersed = entry->eta.varies;
+    bsdf->ior = entry->eta.varies ? sagi_color_at_first(&entry->eta, lambda) : (double)entry->eta.scale;
+    if (!(bsdf->ior > 0)) bsdf->ior = 1;
+}
+
+static void read_material(const sag_world *world, const sagi_material *entry, const sag_surface *surface,
+                          sagi_spectrum lambda, sagi_bsdf *bsdf) {
+    const sag_material *material = &entry->material;
+    switch (material->kind) {
+    case SAG_MATERIAL_DIFFUSE:
+        bsdf->color = sagi_spectrum_clamp(sagi_input_spectrum(
+            world, &material->reflectance, &entry->reflectance, SAGI_RGB_ALBEDO, surface, lambda));
+        break;
+    case SAG_MATERIAL_CONDUCTOR:
+        if (has_index(material)) {
+            bsdf->eta =
+                sagi_input_spectrum(world, &material->eta, &entry->eta, SAGI_RGB_UNBOUNDED, surface, lambda);
+            bsdf->k =
+                sagi_input_spectrum(world, &material->k, &entry->k, SAGI_RGB_UNBOUNDED, surface, lambda);
+        } else {
+            metal_from_reflectance(bsdf,
+                                   sagi_input_spectrum(world, &material->reflectance, &entry->reflectance,
+                                                       SAGI_RGB_ALBEDO, surface, lambda));
+        }
+        bsdf->facets = read_roughness(world, material, surface);
+        bsdf->specular = !(bsdf->facets.ax > 0);
+        break;
+    case SAG_MATERIAL_DIELECTRIC:
+    case SAG_MATERIAL_THIN_DIELECTRIC:
+        read_index(entry, lambda, bsdf);
+        if (material->kind == SAG_MATERIAL_DIELECTRIC && bsdf->ior != 1)
+            bsdf->facets = read_roughness(world, material, surface);
+        bsdf->specular = !(bsdf->facets.ax > 0);
+        break;
+    case SAG_MATERIAL_COATED_DIFFUSE:
+        read_index(entry, lambda, bsdf);
+        bsdf->color = sagi_spectrum_clamp(sagi_input_spectrum(
+            world, &material->reflectance, &entry->reflectance, SAGI_RGB_ALBEDO, surface, lambda));
+        bsdf->facets = read_roughness(world, material, surface);
+        bsdf->inner_mean = entry->inner_mean;
+        bsdf->thickness = material->thickness;
+        bsdf->bounces = material->bounces;
+        sagi_coated_prepare(bsdf);
+        break;
+    case SAG_MATERIAL_INTERFACE: break;
+    }
 }
 
 bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
-                            const sag_surface *surface, sag_vec3 wo, sagi_bsdf *bsdf) {
-    *bsdf = (sagi_bsdf){.kind = SAG_MATERIAL_DIFFUSE, .color = {0.5, 0.5, 0.5}, .ior = 1.5};
-    uint32_t id = appearance ? appearance->look.material : 0;
+                            const sag_surface *surface, sag_vec3 wo, sagi_spectrum lambda, sagi_bsdf *bsdf) {
+    *bsdf = (sagi_bsdf){.kind = SAG_MATERIAL_DIFFUSE, .color = {0.5F, 0.5F, 0.5F, 0.5F}, .ior = 1.5};
+    const uint32_t id = appearance ? appearance->look.material : 0;
     if (id != 0) {
         const sagi_material *entry = (const sagi_material *)world->materials.items + (id - 1);
-        const sag_material *material = &entry->material;
-        bsdf->kind = material->kind;
-        switch (material->kind) {
-        case SAG_MATERIAL_DIFFUSE:
-            bsdf->color = sagi_rgb_clamp(sagi_input_evaluate(world, &material->reflectance, surface));
-            break;
-        case SAG_MATERIAL_CONDUCTOR:
-            bsdf->eta = sagi_input_evaluate(world, &material->eta, surface);
-            bsdf->k = sagi_input_evaluate(world, &material->k, surface);
-            if (sagi_rgb_is_black(bsdf->eta) && sagi_rgb_is_black(bsdf->k))
-                metal_from_reflectance(bsdf, sagi_input_evaluate(world, &material->reflectance, surface));
-            bsdf->facets = read_roughness(world, material, surface);
-            bsdf->specular = !(bsdf->facets.ax > 0);
-            break;
-        case SAG_MATERIAL_DIELECTRIC:
-        case SAG_MATERIAL_THIN_DIELECTRIC:
-            if (material->eta.value.r > 0) bsdf->ior = material->eta.value.r;
-            if (material->kind == SAG_MATERIAL_DIELECTRIC && bsdf->ior != 1)
-                bsdf->facets = read_roughness(world, material, surface);
-            bsdf->specular = !(bsdf->facets.ax > 0);
-            break;
-        case SAG_MATERIAL_COATED_DIFFUSE:
-            if (material->eta.value.r > 0) bsdf->ior = material->eta.value.r;
-            bsdf->color = sagi_rgb_clamp(sagi_input_evaluate(world, &material->reflectance, surface));
-            bsdf->facets = read_roughness(world, material, surface);
-            bsdf->inner_mean = entry->inner_mean;
-            bsdf->thickness = material->thickness;
-            bsdf->bounces = material->bounces;
-            sagi_coated_prepare(bsdf);
-            break;
-        case SAG_MATERIAL_INTERFACE: return false;
-        }
+        bsdf->kind = entry->material.kind;
+        if (bsdf->kind == SAG_MATERIAL_INTERFACE) return false;
+        read_material(world, entry, surface, lambda, bsdf);
     }
     sagi_bsdf_set_frame(bsdf, surface->geometric_normal, surface->shading_normal, surface->dpdu, wo);
     return true;
+}
+
+sag_rgb sagi_material_albedo(const sag_world *world, const sagi_appearance *appearance,
+                             const sag_surface *surface) {
+    const uint32_t id = appearance ? appearance->look.material : 0;
+    if (id == 0) return sagi_rgb_grey(0.5);
+    const sagi_material *entry = (const sagi_material *)world->materials.items + (id - 1);
+    const sag_material *material = &entry->material;
+    switch (material->kind) {
+    case SAG_MATERIAL_DIFFUSE:
+    case SAG_MATERIAL_COATED_DIFFUSE:
+        return sagi_rgb_clamp(sagi_input_evaluate(world, &material->reflectance, surface));
+    case SAG_MATERIAL_CONDUCTOR: {
+        if (!has_index(material))
+            return sagi_rgb_clamp(sagi_input_evaluate(world, &material->reflectance, surface));
+        if (!material->eta.texture && !material->k.texture) return entry->mirror;
+        const sag_rgb eta = sagi_input_evaluate(world, &material->eta, surface);
+        const sag_rgb k = sagi_input_evaluate(world, &material->k, surface);
+        return sagi_rgb(sagi_fresnel_conductor(1, eta.r, k.r), sagi_fresnel_conductor(1, eta.g, k.g),
+                        sagi_fresnel_conductor(1, eta.b, k.b));
+    }
+    case SAG_MATERIAL_DIELECTRIC:
+    case SAG_MATERIAL_THIN_DIELECTRIC:
+    case SAG_MATERIAL_INTERFACE: break;
+    }
+    return sagi_rgb_grey(1);
 }

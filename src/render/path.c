@@ -12,17 +12,15 @@
 // A step is what happens at one surface; who traces the rays between, and when, is wave.c's matter.
 #include "job.h"
 
-static void add(sagi_path *p, sag_rgb light) {
-    p->radiance = sagi_rgb_add(p->radiance, sagi_rgb_mul(p->weight, light));
-}
+static void add(sagi_path *p, sagi_spectrum light) { p->radiance += p->weight * light; }
 
 // Light of the surface the path came to by itself.
 static void add_emission(const sagi_lights *lights, sagi_path *p, sag_vec3 wo, const sagi_meeting *m) {
-    sag_rgb emission = sagi_emission(m->appearance, &m->surface, wo);
-    if (sagi_rgb_is_black(emission)) return;
+    sagi_spectrum emission = sagi_emission(m->appearance, &m->surface, wo, p->wavelengths.lambda);
+    if (sagi_spectrum_is_black(emission)) return;
     if (!p->exact) {
         double pdf = sagi_lights_area_pdf(lights, p->from.position, sag_neg(wo), m->hit, &m->surface);
-        emission = sagi_rgb_scale(emission, sagi_surface_weight(lights, p->surface_pdf, pdf));
+        emission *= (float)sagi_surface_weight(lights, p->surface_pdf, pdf);
     }
     add(p, emission);
 }
@@ -33,12 +31,12 @@ static void add_light(sagi_wave *wave, sagi_path *p, const sagi_meeting *m) {
     double choose = sagi_sampler_1d(&p->sampler);
     sag_vec2 u = sagi_sampler_2d(&p->sampler);
     sagi_light_sample sample;
-    if (!sagi_lights_sample(lights, &p->from, choose, u, &sample)) return;
+    if (!sagi_lights_sample(lights, &p->from, p->wavelengths.lambda, choose, u, &sample)) return;
     double surface_pdf;
-    sag_rgb value = sagi_bsdf_eval(&m->bsdf, sample.wi, &surface_pdf);
+    sagi_spectrum value = sagi_bsdf_eval(&m->bsdf, sample.wi, &surface_pdf);
     double weight = sagi_light_weight(lights, surface_pdf, &sample);
-    value = sagi_rgb_scale(sagi_rgb_mul(value, sample.radiance), weight / sample.pdf);
-    if (sagi_rgb_is_black(value) && sagi_rgb_is_finite(value)) return;
+    value *= sample.radiance * (float)(weight / sample.pdf);
+    if (sagi_spectrum_is_black(value) && sagi_spectrum_is_finite(value)) return;
     sagi_wave_add_light(wave, p, &m->surface, &sample, value);
 }
 
@@ -48,7 +46,7 @@ static bool scatter(sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
     sag_vec2 u = sagi_sampler_2d(&p->sampler);
     sagi_bsdf_sample sample;
     if (!sagi_bsdf_sample_wi(&m->bsdf, choose, u, &sample)) return false;
-    p->weight = sagi_rgb_mul(p->weight, sample.weight);
+    p->weight *= sample.weight;
     p->surface_pdf = sample.pdf;
     p->exact = sample.specular;
     p->scattered |= !sample.specular;
@@ -62,10 +60,11 @@ static bool scatter(sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
 }
 
 static bool survives(sagi_path *p) {
-    double survival = sagi_rgb_max(p->weight) * p->eta2;
+    double survival = (double)sagi_spectrum_max(p->weight) * p->eta2;
+    if (p->dispersed) survival /= 4; // one wavelength stands for four
     if (!(survival < 1) || p->depth < 2) return true;
     if (!(sagi_sampler_1d(&p->sampler) < survival)) return false;
-    p->weight = sagi_rgb_scale(p->weight, 1 / survival);
+    p->weight *= (float)(1 / survival);
     return true;
 }
 
@@ -73,10 +72,16 @@ bool sagi_path_step(sagi_wave *wave, sagi_path *p, sagi_meeting *m, sag_ray *ray
     const sag_render *render = wave->render;
     bool direct = render->settings.integrator == SAG_INTEGRATOR_DIRECT;
     if (!m) {
-        add(p, sagi_lights_far(&render->lights, p->exact ? NULL : &p->from, ray->direction, p->surface_pdf));
+        add(p, sagi_lights_far(&render->lights, p->exact ? NULL : &p->from, ray->direction,
+                               p->wavelengths.lambda, p->surface_pdf));
         return false;
     }
     add_emission(&render->lights, p, sag_neg(ray->direction), m);
+    if (m->bsdf.dispersed && !p->dispersed) {
+        // From here on each wavelength would go its own way: the first one goes on and stands for all.
+        p->weight = sagi_spectrum_first(p->weight, 4);
+        p->dispersed = true;
+    }
     if (p->scattered && render->settings.regularize) sagi_bsdf_regularize(&m->bsdf);
     if (p->depth >= render->settings.max_depth || (direct && !p->exact)) return false;
     p->from.position = m->surface.position;

@@ -55,18 +55,18 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = clock_seconds() - start;
-    const bool needs_light = render->settings.integrator == SAG_INTEGRATOR_PATH ||
-                             render->settings.integrator == SAG_INTEGRATOR_DIRECT;
-    if (needs_light && render->lights.light_count + render->lights.area_count == 0)
+    if (sagi_is_spectral(render) && render->lights.light_count + render->lights.area_count == 0)
         sag_context_log(world->context, SAG_LOG_WARNING,
                         "there is no light in the scene: the picture is black");
 
     const sag_film *film = &render->settings.film;
     status = sagi_camera_init(&render->camera, &render->settings.camera, film->width, film->height, error);
+    if (status == SAG_OK) status = sagi_sensor_init(&render->sensor, film, error);
     if (status == SAG_OK) status = sagi_filter_init(&render->filter, film, error);
     if (status == SAG_OK) status = sagi_sampler_plan_init(&render->sampler_plan, &render->settings, error);
     if (status != SAG_OK) return status;
     render->sampler.plan = &render->sampler_plan;
+    sagi_wavelength_table_init(&render->wavelengths);
     render->width = film->width;
     render->height = film->height;
     render->tiles_x = (film->width + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
@@ -119,13 +119,21 @@ void sag_render_destroy(sag_render *render) {
     sag_release(render->context, render, sizeof *render);
 }
 
+// What a path's sample is in numbers.
+static sag_rgb path_value(const sag_render *render, const sagi_path *path) {
+    if (sagi_is_spectral(render))
+        return sagi_sensor_measure(&render->sensor, path->radiance, &path->wavelengths);
+    return render->settings.integrator == SAG_INTEGRATOR_AO ? sagi_rgb_grey((double)path->radiance[0])
+                                                            : path->shown;
+}
+
 // Follows the wave's paths to their ends and adds each sample to its pixel. Returns how many were not finite.
 static uint32_t finish_wave(sagi_wave *wave, bool glance) {
     if (glance) return sagi_glance_finish(wave);
     uint32_t bad = 0;
     sagi_wave_follow(wave);
     for (uint32_t i = 0; i < wave->path_count; i++)
-        bad += !sagi_pixel_add(wave->paths[i].pixel, wave->paths[i].radiance);
+        bad += !sagi_pixel_add(wave->paths[i].pixel, path_value(wave->render, &wave->paths[i]));
     wave->path_count = 0;
     return bad;
 }
@@ -228,12 +236,13 @@ sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_
     sag_status status = sag_image_create(render->context, render->width, render->height, 3, &made, error);
     if (status != SAG_OK) return status;
     size_t count = (size_t)render->width * render->height;
+    const bool spectral = sagi_is_spectral(render);
     for (size_t i = 0; i < count; i++) {
         const sagi_pixel *pixel = &render->pixels[i];
-        double scale = pixel->count ? 1.0 / pixel->count : 0;
-        made.pixels[3 * i] = (float)(pixel->r * scale);
-        made.pixels[3 * i + 1] = (float)(pixel->g * scale);
-        made.pixels[3 * i + 2] = (float)(pixel->b * scale);
+        double scale = pixel->count ? 1.0 / pixel->count : 0, value[3] = {pixel->r, pixel->g, pixel->b};
+        const double sum[3] = {pixel->r, pixel->g, pixel->b};
+        if (spectral) sagi_matrix_apply(render->sensor.output, sum, value);
+        for (int k = 0; k < 3; k++) made.pixels[3 * i + (size_t)k] = (float)(value[k] * scale);
     }
     *image = made;
     return SAG_OK;

@@ -12,7 +12,7 @@ static void add_ambient_occlusion(sagi_wave *wave, sagi_path *path, const sagi_m
     sample.wi = sag_madd(sag_madd(sag_scale(s, local.x), local.y, t), local.z, n);
     // Below the true surface (the shading normal leans over): not visible.
     if (!(sag_dot(sample.wi, bsdf->geometric) * bsdf->wo_side > 0)) return;
-    sagi_wave_add_light(wave, path, &meeting->surface, &sample, sagi_rgb_grey(1));
+    sagi_wave_add_light(wave, path, &meeting->surface, &sample, sagi_spectrum_all(1));
 }
 
 static sag_rgb normal_color(const sagi_bsdf *bsdf) {
@@ -31,17 +31,20 @@ sag_rgb sagi_id_color(const sag_hit *hit) {
 }
 
 void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
+    if (wave->render->settings.integrator != SAG_INTEGRATOR_AO) path->shown = sagi_rgb_grey(0);
     if (!meeting) return;
     const sag_surface *surface = &meeting->surface;
     switch (wave->render->settings.integrator) {
     case SAG_INTEGRATOR_AO: add_ambient_occlusion(wave, path, meeting); break;
-    case SAG_INTEGRATOR_NORMAL: path->radiance = normal_color(&meeting->bsdf); break;
+    case SAG_INTEGRATOR_NORMAL: path->shown = normal_color(&meeting->bsdf); break;
     case SAG_INTEGRATOR_UV:
-        path->radiance = sagi_rgb(surface->u - floor(surface->u), surface->v - floor(surface->v), 0);
+        path->shown = sagi_rgb(surface->u - floor(surface->u), surface->v - floor(surface->v), 0);
         break;
-    case SAG_INTEGRATOR_DEPTH: path->radiance = sagi_rgb_grey(path->distance); break;
-    case SAG_INTEGRATOR_ID: path->radiance = sagi_id_color(meeting->hit); break;
-    case SAG_INTEGRATOR_ALBEDO: path->radiance = sagi_bsdf_albedo(&meeting->bsdf); break;
+    case SAG_INTEGRATOR_DEPTH: path->shown = sagi_rgb_grey(path->distance); break;
+    case SAG_INTEGRATOR_ID: path->shown = sagi_id_color(meeting->hit); break;
+    case SAG_INTEGRATOR_ALBEDO:
+        path->shown = sagi_material_albedo(wave->render->world, meeting->appearance, surface);
+        break;
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT: break;
     }

@@ -55,14 +55,21 @@ static size_t texel_at(const sagi_light *light, sag_vec3 wi) {
     return (size_t)y * n + (size_t)x;
 }
 
-sag_rgb sagi_sky_radiance(const sagi_light *light, sag_vec3 wi) {
+sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 wi, sagi_spectrum lambda) {
     if (light->light.kind == SAG_LIGHT_SKY) {
         double height = sagi_clamp(wi.y, 0, 1);
-        return sagi_rgb_add(sagi_rgb_scale(light->light.horizon, 1 - height),
-                            sagi_rgb_scale(light->light.color, height));
+        return sagi_color_at(&light->horizon, lambda) * (float)(1 - height) +
+               sagi_color_at(&light->color, lambda) * (float)height;
     }
-    if (!has_picture(light)) return light->light.color;
-    return sagi_rgb_mul(light->light.color, texel_value(&light->light.image, texel_at(light, wi)));
+    if (!has_picture(light)) return sagi_color_at(&light->color, lambda);
+    const sag_rgb texel = texel_value(&light->light.image, texel_at(light, wi));
+    if (light->light.spectrum) {
+        const sagi_color filter = sagi_color_of_texel(SAG_COLOR_SRGB, texel, SAGI_RGB_UNBOUNDED);
+        return sagi_color_at(&light->color, lambda) * sagi_color_at(&filter, lambda);
+    }
+    const sagi_color shown =
+        sagi_color_of_texel(SAG_COLOR_SRGB, sagi_rgb_mul(light->light.color, texel), SAGI_RGB_ILLUMINANT);
+    return sagi_color_at(&shown, lambda);
 }
 
 double sagi_sky_pdf(const sagi_light *light, const sagi_shading_point *from, sag_vec3 wi) {

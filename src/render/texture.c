@@ -70,6 +70,6 @@ static sag_rgb evaluate(const sag_world *world, sag_texture_id id, const sag_sur
 }
 
 sag_rgb sagi_input_evaluate(const sag_world *world, const sag_input *input, const sag_surface *surface) {
-    if (input->texture == 0 || input->texture > world->textures.count) return input->value;
+    if (input->texture == 0 || input->texture > world->textures.count) return sagi_input_plain(world, input);
     return evaluate(world, input->texture, surface);
 }

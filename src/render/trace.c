@@ -25,7 +25,7 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
     if (!render->see_through || is_there(render->world, meeting->appearance, surface)) {
         sagi_orient(meeting->appearance, surface);
         sagi_material_evaluate(render->world, meeting->appearance, surface, sag_neg(ray->direction),
-                               &meeting->bsdf);
+                               path->wavelengths.lambda, &meeting->bsdf);
         return SAGI_COURSE_MEETING;
     }
     if (++path->passed == SAGI_MAX_PASSED) return SAGI_COURSE_AWAY;

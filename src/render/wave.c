@@ -44,19 +44,25 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
 void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
                      uint32_t end) {
     const sag_render *render = wave->render;
+    const bool spectral = sagi_is_spectral(render);
     for (uint32_t sample = first; sample < end; sample++) {
         sagi_path *path = &wave->paths[wave->path_count++];
         *path = (sagi_path){
-            .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1}, .eta2 = 1, .exact = true};
+            .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1, 1}, .eta2 = 1, .exact = true};
         sagi_sampler_start_pixel(&path->sampler, x, y);
         wave->active[wave->active_count] = path;
         sagi_camera_sample(render, &path->sampler, x, y, sample, &wave->rays[wave->active_count++]);
+        if (spectral)
+            path->wavelengths =
+                sagi_wavelengths_sample(&render->wavelengths, sagi_sampler_1d(&path->sampler));
+        else
+            path->wavelengths.lambda = sagi_spectrum_all(560);
     }
 }
 
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
-                         const sagi_light_sample *sample, sag_rgb light) {
-    light = sagi_rgb_mul(path->weight, light);
+                         const sagi_light_sample *sample, sagi_spectrum light) {
+    light *= path->weight;
     if (wave->samples) wave->samples[wave->shadow_count] = *sample;
     wave->shadows[wave->shadow_count] = (sagi_shadow){.path = path, .light = light};
     wave->shadow_rays[wave->shadow_count++] = sagi_shadow_ray(from, sample);
@@ -101,9 +107,7 @@ static void step_all(sagi_wave *wave) {
     wave->active_count = kept;
 }
 
-static void add_light(const sagi_shadow *shadow) {
-    shadow->path->radiance = sagi_rgb_add(shadow->path->radiance, shadow->light);
-}
+static void add_light(const sagi_shadow *shadow) { shadow->path->radiance += shadow->light; }
 
 // The light of this step, where nothing is in its way.
 static void add_lights(sagi_wave *wave) {

@@ -11,12 +11,17 @@
 // few enough that all that belongs to them (about half a kilobyte each) stays in a core's own cache.
 #define SAGI_WAVE_SIZE 1024u
 
-// One sample under way: a path from the camera, and the light it has brought so far. For the integrators that
-// show something, `radiance` is what they show.
+// One sample under way: a path from the camera, and the light it has brought so far.
 typedef struct sagi_path {
     sagi_sampler sampler;
     sagi_pixel *pixel; // where the sample belongs
-    sag_rgb radiance, weight;
+    sagi_wavelengths wavelengths;
+    union {
+        struct {
+            sagi_spectrum radiance, weight;
+        };
+        sag_rgb shown; // by the integrators that show something
+    };
     sagi_shading_point from; // the last surface that scattered
     double surface_pdf;      // with which it chose this ray
     double eta2;             // product of the η² crossed
@@ -25,6 +30,7 @@ typedef struct sagi_path {
     uint32_t depth;          // bounces so far
     bool exact;              // no surface, a mirror or glass chose this ray: light is counted in full
     bool scattered;          // the path has met a surface that is no mirror or glass
+    bool dispersed;          // only the first wavelength is left
 } sagi_path;
 
 // What a ray has met: the nearest surface that is really there, its normals turned to the front.
@@ -38,7 +44,7 @@ typedef struct sagi_meeting {
 // Light on its way to a path: it arrives unless something is in the way.
 typedef struct sagi_shadow {
     sagi_path *path;
-    sag_rgb light; // weighted
+    sagi_spectrum light; // weighted
 } sagi_shadow;
 
 // The samples one thread follows together; arrays have room for SAGI_WAVE_SIZE. On cache lines of its own, as
@@ -73,7 +79,7 @@ void sagi_wave_follow(sagi_wave *wave);
 // Adds light to a path if the sampled light is seen from the surface: at once, or before the path's next
 // step.
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
-                         const sagi_light_sample *sample, sag_rgb light);
+                         const sagi_light_sample *sample, sagi_spectrum light);
 
 // Samples that are no more than the hit of the camera's ray (glance.c): whether this render's are; starting
 // some, as sagi_wave_start does; tracing all that were started and adding them to their pixels, which returns

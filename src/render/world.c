@@ -57,6 +57,9 @@ void sag_world_destroy(sag_world *world) {
     sag_scene_destroy(world->scene);
     sagi_world_object *objects = world->objects.items;
     for (size_t i = 0; i < world->objects.count; i++) sag_scene_destroy(objects[i].scene);
+    sagi_spectrum_entry *spectra = world->spectra.items;
+    for (size_t i = 0; i < world->spectra.count; i++) sagi_spectrum_clear(context, &spectra[i]);
+    sagi_list_clear(context, &world->spectra, sizeof(sagi_spectrum_entry));
     sagi_list_clear(context, &world->textures, sizeof(sagi_texture));
     sagi_list_clear(context, &world->materials, sizeof(sagi_material));
     sagi_list_clear(context, &world->lights, sizeof(sag_light));
@@ -82,6 +85,31 @@ sag_scene *sag_world_object(const sag_world *world, uint32_t index) {
     return index < world->objects.count ? objects[index].scene : NULL;
 }
 
+sag_status sag_world_add_spectrum(sag_world *world, const sag_spectrum *spectrum, sag_spectrum_id *id) {
+    *id = 0;
+    sagi_spectrum_entry *slot = sagi_list_grow(world->context, &world->spectra, sizeof *slot);
+    if (!slot || world->spectra.count == UINT32_MAX) return SAG_ERROR_MEMORY;
+    const sag_status status = sagi_spectrum_make(world->context, spectrum, slot);
+    if (status == SAG_OK) *id = (sag_spectrum_id)++world->spectra.count;
+    return status;
+}
+
+double sag_world_spectrum_value(const sag_world *world, sag_spectrum_id id, double wavelength_nm) {
+    const sagi_spectrum_entry *entry = sagi_spectrum_of(world, id);
+    if (!entry || !(wavelength_nm >= SAGI_WAVELENGTH_MIN && wavelength_nm <= SAGI_WAVELENGTH_MAX)) return 0;
+    return (double)sagi_color_at(&entry->color, sagi_spectrum_all(wavelength_nm))[0];
+}
+
+double sag_world_spectrum_luminance(const sag_world *world, sag_spectrum_id id) {
+    const sagi_spectrum_entry *entry = sagi_spectrum_of(world, id);
+    return entry ? entry->luminance : 0;
+}
+
+sag_rgb sag_world_spectrum_color(const sag_world *world, sag_spectrum_id id, bool as_light) {
+    const sagi_spectrum_entry *entry = sagi_spectrum_of(world, id);
+    return entry ? (as_light ? entry->light : entry->reflectance) : (sag_rgb){0, 0, 0};
+}
+
 // The depth of a texture over its inputs, or 0 when one does not exist or there are too many levels.
 static uint32_t texture_depth(const sag_world *world, const sag_texture *texture) {
     const sagi_texture *textures = world->textures.items;
@@ -89,7 +117,7 @@ static uint32_t texture_depth(const sag_world *world, const sag_texture *texture
     uint32_t depth = 1;
     for (int i = 0; i < 3; i++) {
         sag_texture_id id = inputs[i]->texture;
-        if (id > world->textures.count) return 0;
+        if (id > world->textures.count || inputs[i]->spectrum > world->spectra.count) return 0;
         if (id != 0 && textures[id - 1].depth >= depth) depth = textures[id - 1].depth + 1;
     }
     return depth <= SAGI_MAX_TEXTURE_DEPTH ? depth : 0;
@@ -115,23 +143,57 @@ sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *textur
     return (sag_texture_id)world->textures.count;
 }
 
+// The index of refraction of glass and coats: of a plain colour, its first component.
+static sagi_color index_color(const sag_world *world, const sag_input *eta) {
+    if (eta->spectrum) return sagi_input_color(world, eta, SAGI_RGB_UNBOUNDED);
+    return (sagi_color){.scale = (float)(eta->value.r > 0 ? eta->value.r : 1.5)};
+}
+
+// The colour of a metal at normal incidence.
+static sag_rgb mirror_color(const sagi_color *eta, const sagi_color *k) {
+    float table[SAGI_WAVELENGTH_COUNT];
+    for (int i = 0; i < SAGI_WAVELENGTH_COUNT; i++) {
+        const sagi_spectrum at = sagi_spectrum_all(SAGI_WAVELENGTH_MIN + i);
+        table[i] = sagi_fresnel_conductor_spectrum(1, sagi_color_at(eta, at), sagi_color_at(k, at))[0];
+    }
+    const sagi_color color = {.scale = 1, .table = table, .varies = true};
+    return sagi_color_to_rgb(&color, SAG_COLOR_SRGB, false);
+}
+
+// What of a material does not change over the surface.
+static void prepare_material(const sag_world *world, sagi_material *entry) {
+    const sag_material *material = &entry->material;
+    entry->reflectance = sagi_input_color(world, &material->reflectance, SAGI_RGB_ALBEDO);
+    if (material->kind == SAG_MATERIAL_CONDUCTOR) {
+        entry->eta = sagi_input_color(world, &material->eta, SAGI_RGB_UNBOUNDED);
+        entry->k = sagi_input_color(world, &material->k, SAGI_RGB_UNBOUNDED);
+        entry->mirror = mirror_color(&entry->eta, &entry->k);
+        return;
+    }
+    entry->eta = index_color(world, &material->eta);
+    if (material->kind != SAG_MATERIAL_COATED_DIFFUSE) return;
+    const double eta = sagi_color_at_first(&entry->eta, sagi_spectrum_all(560));
+    entry->inner_mean = sagi_fresnel_inner_mean(eta > 0 ? eta : 1.5, fmax(material->thickness, 0));
+}
+
 uint32_t sag_world_add_material(sag_world *world, const sag_material *material) {
     const sag_input *inputs[] = {&material->reflectance, &material->eta, &material->k, &material->roughness_u,
                                  &material->roughness_v};
     for (int i = 0; i < 5; i++)
-        if (inputs[i]->texture > world->textures.count) return 0;
+        if (inputs[i]->texture > world->textures.count || inputs[i]->spectrum > world->spectra.count)
+            return 0;
     sagi_material *slot = sagi_list_grow(world->context, &world->materials, sizeof *slot);
     if (!slot) return 0;
     slot->material = *material;
-    if (material->kind == SAG_MATERIAL_COATED_DIFFUSE)
-        slot->inner_mean = sagi_fresnel_inner_mean(material->eta.value.r > 0 ? material->eta.value.r : 1.5,
-                                                   fmax(material->thickness, 0));
+    prepare_material(world, slot);
     world->materials.count++;
     return (uint32_t)world->materials.count;
 }
 
 uint32_t sag_world_add_light(sag_world *world, const sag_light *light) {
-    sag_light *slot = sagi_list_grow(world->context, &world->lights, sizeof *slot);
+    sag_light *slot = NULL;
+    if (light->spectrum <= world->spectra.count)
+        slot = sagi_list_grow(world->context, &world->lights, sizeof *slot);
     if (!slot) {
         sag_image image = light->image;
         sag_image_clear(world->context, &image);
@@ -160,15 +222,29 @@ static sagi_appearance *find_appearance(const sag_world *world, uint32_t latest,
     return NULL;
 }
 
+static void set_look(const sag_world *world, sagi_appearance *entry, const sag_appearance *look) {
+    const sagi_spectrum_entry *spectrum = sagi_spectrum_of(world, look->emission_spectrum);
+    entry->look = *look;
+    if (!spectrum) {
+        entry->emission = sagi_color_of_rgb(SAG_COLOR_SRGB, look->emission, SAGI_RGB_ILLUMINANT);
+        entry->brightness = sagi_rgb_mean(look->emission);
+        return;
+    }
+    entry->emission = spectrum->color;
+    entry->emission.scale = (float)((double)spectrum->color.scale * look->emission_scale);
+    entry->brightness = spectrum->brightness * look->emission_scale;
+}
+
 sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                     const sag_appearance *appearance) {
-    if (appearance->material > world->materials.count || appearance->alpha.texture > world->textures.count)
+    if (appearance->material > world->materials.count || appearance->alpha.texture > world->textures.count ||
+        appearance->emission_spectrum > world->spectra.count)
         return SAG_ERROR_ARGUMENT;
     uint32_t *const latest = latest_of(world, scene);
     if (!latest) return SAG_ERROR_ARGUMENT;
     sagi_appearance *found = find_appearance(world, *latest, geometry);
     if (found) {
-        found->look = *appearance;
+        set_look(world, found, appearance);
         return SAG_OK;
     }
     sagi_appearance *slot = sagi_list_grow(world->context, &world->appearances, sizeof *slot);
@@ -177,7 +253,7 @@ sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t
     if (status != SAG_OK) return status;
     const sagi_appearance *all = world->appearances.items;
     const uint32_t highest = *latest ? all[*latest - 1].highest : geometry;
-    slot->look = *appearance;
+    set_look(world, slot, appearance);
     slot->scene = scene;
     slot->geometry = geometry;
     slot->highest = highest > geometry ? highest : geometry;

@@ -22,12 +22,16 @@ typedef struct sagi_texture {
 
 typedef struct sagi_material {
     sag_material material;
-    double inner_mean; // of a coat
+    sagi_color reflectance, eta, k; // where they are no textures
+    sag_rgb mirror;                 // of a metal without textures: its colour at normal incidence
+    double inner_mean;              // of a coat
 } sagi_material;
 
 // The look of one geometry; its user data is the id.
 typedef struct sagi_appearance {
     sag_appearance look;
+    sagi_color emission;
+    double brightness; // of the emission; 0: it does not shine
     sag_scene *scene;
     uint32_t geometry;
     uint32_t highest;  // id of this scene that had an appearance by then, this one included
@@ -44,6 +48,7 @@ struct sag_world {
     sag_context *context;
     sag_scene *scene;
     sag_settings settings;
+    sagi_list spectra;     // sagi_spectrum_entry
     sagi_list textures;    // sagi_texture
     sagi_list materials;   // sagi_material
     sagi_list lights;      // sag_light
@@ -56,12 +61,23 @@ struct sag_world {
 void *sagi_list_grow(const sag_context *context, sagi_list *list, size_t item_bytes);
 void sagi_list_clear(const sag_context *context, sagi_list *list, size_t item_bytes);
 
-// The value at a surface of what may be a texture.
+// The value at a surface of what may be a texture, as RGB; a number is in r.
 sag_rgb sagi_input_evaluate(const sag_world *world, const sag_input *input, const sag_surface *surface);
+// The same by wavelength; `color` is the input made ready.
+sagi_spectrum sagi_input_spectrum(const sag_world *world, const sag_input *input, const sagi_color *color,
+                                  sagi_rgb_use use, const sag_surface *surface, sagi_spectrum lambda);
+// An input that is no texture, made ready, and as RGB.
+sagi_color sagi_input_color(const sag_world *world, const sag_input *input, sagi_rgb_use use);
+sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input);
+// NULL for an id that is none.
+const sagi_spectrum_entry *sagi_spectrum_of(const sag_world *world, sag_spectrum_id id);
 // What the material of a surface (appearance 0: the default) scatters there. False: nothing is there
 // (interface).
 bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
-                            const sag_surface *surface, sag_vec3 wo, sagi_bsdf *bsdf);
+                            const sag_surface *surface, sag_vec3 wo, sagi_spectrum lambda, sagi_bsdf *bsdf);
+// What the albedo integrator shows: the colour of the surface, without the noise of wavelengths.
+sag_rgb sagi_material_albedo(const sag_world *world, const sagi_appearance *appearance,
+                             const sag_surface *surface);
 
 // The appearance a surface's user data names, or NULL.
 static inline const sagi_appearance *sagi_appearance_of(const sag_world *world, const sag_surface *surface) {

@@ -90,6 +90,7 @@ static void cancelled_and_resumed_is_the_same(void **state) {
     (void)state;
     studio s = studio_open(2);
     furnish(&s);
+    s.in_color = true;
     sag_image whole = studio_render(&s, NULL);
     sag_error error;
     sag_render *render = sag_render_create(s.world, &error);
@@ -187,8 +188,8 @@ static void depth_counts_bounces(void **state) {
     for (int i = 0; i < 3; i++) {
         studio s = studio_open(0);
         uint32_t floor_id = sag_add_plane(s.scene, &(sag_plane){.point = {0, 0, -1}, .normal = {0, 0, 1}});
-        sag_world_set_appearance(s.world, s.scene, floor_id, &(sag_appearance){.emission = {2, 0, 0}});
-        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 0, 0}});
+        sag_world_set_appearance(s.world, s.scene, floor_id, &(sag_appearance){.emission = {2, 2, 2}});
+        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}});
         s.settings->max_depth = depths[i];
         studio_mean m = studio_measure(&s);
         assert_true(fabs(m.mean - (i == 0 ? 2 : 2.5)) < 1e-6);

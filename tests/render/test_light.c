@@ -38,7 +38,7 @@ static void point_light(void **state) {
     (void)state;
     studio s = floor_studio();
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 0, 0}, .from = {3, 4, 0}});
+                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 7, 7}, .from = {3, 4, 0}});
     expect_irradiance(&s, 7 * 0.8 / 25); // cos θ = 4/5, distance 5
 }
 
@@ -47,7 +47,7 @@ static void spot_light_falls_off_smoothly(void **state) {
     // 45° off the axis, between full light at 30° and none at 60°.
     studio s = floor_studio();
     sag_light spot = {.kind = SAG_LIGHT_SPOT,
-                      .color = {7, 0, 0},
+                      .color = {7, 7, 7},
                       .from = {3, 3, 0},
                       .to = {3, 0, 0},
                       .cone_rad = PI / 3,
@@ -69,11 +69,11 @@ static void distant_light(void **state) {
     (void)state;
     studio s = floor_studio();
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_DISTANT, .color = {2, 0, 0}, .from = {3, 4, 0}});
+                        &(sag_light){.kind = SAG_LIGHT_DISTANT, .color = {2, 2, 2}, .from = {3, 4, 0}});
     expect_irradiance(&s, 2 * 0.8);
     s = floor_studio(); // from below
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_DISTANT, .color = {2, 0, 0}, .to = {0, 1, 0}});
+                        &(sag_light){.kind = SAG_LIGHT_DISTANT, .color = {2, 2, 2}, .to = {0, 1, 0}});
     expect_irradiance(&s, 0);
 }
 
@@ -82,7 +82,7 @@ static void shadows(void **state) {
     studio s = floor_studio();
     sag_add_sphere(s.scene, &(sag_sphere){.center = {1.5, 2, 0}, .radius = 0.1});
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 0, 0}, .from = {3, 4, 0}});
+                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 7, 7}, .from = {3, 4, 0}});
     expect_irradiance(&s, 0);
     // A blocker that shadow rays do not see, and one behind the light.
     s = floor_studio();
@@ -90,7 +90,7 @@ static void shadows(void **state) {
     sag_geometry_set_mask(s.scene, ball, SAG_RAY_CAMERA);
     sag_add_sphere(s.scene, &(sag_sphere){.center = {4.5, 6, 0}, .radius = 1});
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 0, 0}, .from = {3, 4, 0}});
+                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 7, 7}, .from = {3, 4, 0}});
     expect_irradiance(&s, 7 * 0.8 / 25);
 }
 
@@ -110,7 +110,7 @@ static void expect_from_all_strategies(furnish furnish_studio, double irradiance
 // The whole ball above the horizon: E = π L (r/d)² cos θ.
 static void add_ball(studio *s) {
     uint32_t ball = sag_add_sphere(s->scene, &(sag_sphere){.center = {1.5, 2, 0}, .radius = 1});
-    sag_world_set_appearance(s->world, s->scene, ball, &(sag_appearance){.emission = {3, 0, 0}});
+    sag_world_set_appearance(s->world, s->scene, ball, &(sag_appearance){.emission = {3, 3, 3}});
 }
 static void ball_light(void **state) {
     (void)state;
@@ -121,18 +121,18 @@ static void ball_light(void **state) {
 static void add_disk(studio *s) {
     uint32_t disk =
         sag_add_disk(s->scene, &(sag_disk){.center = {0, 2, 0}, .normal = {0, -5, 0}, .radius = 1.5});
-    sag_world_set_appearance(s->world, s->scene, disk, &(sag_appearance){.emission = {3, 0, 0}});
+    sag_world_set_appearance(s->world, s->scene, disk, &(sag_appearance){.emission = {3, 3, 3}});
 }
 static void add_flipped_disk(studio *s) {
     uint32_t disk =
         sag_add_disk(s->scene, &(sag_disk){.center = {0, 2, 0}, .normal = {0, 5, 0}, .radius = 1.5});
     sag_world_set_appearance(s->world, s->scene, disk,
-                             &(sag_appearance){.emission = {3, 0, 0}, .flip = true});
+                             &(sag_appearance){.emission = {3, 3, 3}, .flip = true});
 }
 static void add_disk_on_its_back(studio *s) {
     uint32_t disk =
         sag_add_disk(s->scene, &(sag_disk){.center = {0, 2, 0}, .normal = {0, 5, 0}, .radius = 1.5});
-    sag_world_set_appearance(s->world, s->scene, disk, &(sag_appearance){.emission = {3, 0, 0}});
+    sag_world_set_appearance(s->world, s->scene, disk, &(sag_appearance){.emission = {3, 3, 3}});
 }
 static void disk_light(void **state) {
     (void)state;
@@ -153,7 +153,7 @@ static void add_mesh(studio *s) {
     sag_mesh mesh = {
         .positions_f32 = square, .triangles = square_faces, .vertex_count = 4, .triangle_count = 2};
     uint32_t id = sag_add_mesh(s->scene, &mesh); // the normal, by the order of the vertices, is down
-    sag_world_set_appearance(s->world, s->scene, id, &(sag_appearance){.emission = {3, 0, 0}});
+    sag_world_set_appearance(s->world, s->scene, id, &(sag_appearance){.emission = {3, 3, 3}});
 }
 static void add_mesh_with_normals(studio *s) {
     // The wrong way round, but with normals that say what is in front.
@@ -164,7 +164,7 @@ static void add_mesh_with_normals(studio *s) {
                      .vertex_count = 4,
                      .triangle_count = 2};
     uint32_t id = sag_add_mesh(s->scene, &mesh);
-    sag_world_set_appearance(s->world, s->scene, id, &(sag_appearance){.emission = {3, 0, 0}});
+    sag_world_set_appearance(s->world, s->scene, id, &(sag_appearance){.emission = {3, 3, 3}});
 }
 static void add_rectangle(studio *s) {
     sag_rectangle half = {.corner = {-0.5, 0, -0.5}, .edge_u = {1, 0, 0}, .edge_v = {0, 0, 1}};
@@ -172,7 +172,7 @@ static void add_rectangle(studio *s) {
     sag_affine place = {{{2, 0, 0, 0}, {0, 2, 0, 1}, {0, 0, 2, 0}}};
     sag_geometry_set_transform(s->scene, id, &place);
     sag_world_set_appearance(s->world, s->scene, id,
-                             &(sag_appearance){.emission = {3, 0, 0}, .two_sided = true});
+                             &(sag_appearance){.emission = {3, 3, 3}, .two_sided = true});
 }
 static void square_lights(void **state) {
     (void)state;
@@ -188,7 +188,7 @@ static void add_instanced_square(studio *s) {
     uint32_t id = sag_add_rectangle(
         inner, &(sag_rectangle){.corner = {-1, 0, -1}, .edge_u = {0, 0, 2}, .edge_v = {2, 0, 0}});
     sag_world_set_appearance(s->world, inner, id,
-                             &(sag_appearance){.emission = {3, 0, 0}, .two_sided = true});
+                             &(sag_appearance){.emission = {3, 3, 3}, .two_sided = true});
     assert_int_equal(sag_scene_commit(inner, &error), SAG_OK);
     sag_affine mirror = {{{-0.5, 0, 0, 0.5}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     sag_add_instance(outer, inner, &mirror); // x in [0, 1]
@@ -204,11 +204,11 @@ static void instanced_lights(void **state) {
 }
 
 static void add_sky(studio *s) {
-    sag_world_add_light(s->world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {3, 0, 0}});
+    sag_world_add_light(s->world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {3, 3, 3}});
 }
 static void add_graded_sky(studio *s) {
     // L = 1 + 2 cos θ: E = π + 2·2π/3.
-    sag_light sky = {.kind = SAG_LIGHT_SKY, .color = {3, 0, 0}, .horizon = {1, 0, 0}};
+    sag_light sky = {.kind = SAG_LIGHT_SKY, .color = {3, 3, 3}, .horizon = {1, 1, 1}};
     sag_world_add_light(s->world, &sky);
 }
 static void skies(void **state) {
@@ -220,7 +220,7 @@ static void skies(void **state) {
 // A picture of the sky: the eighth of the sphere with x, y, z > 0 shines with 5, placed by a quarter turn
 // about y, that is x > 0, y > 0, z < 0. E = 5 · π/4.
 static void add_picture(studio *s) {
-    sag_light light = {.kind = SAG_LIGHT_INFINITE, .color = {1, 0, 0}};
+    sag_light light = {.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}};
     sag_error error;
     const uint32_t n = 64;
     assert_int_equal(sag_image_create(s->context, n, n, 3, &light.image, &error), SAG_OK);
@@ -230,7 +230,7 @@ static void add_picture(studio *s) {
             double a = (x + 0.5) / n * 2 - 1, b = (y + 0.5) / n * 2 - 1;
             float value = a > 0 && b > 0 && a + b < 1 + 1e-9 ? 5 : 0;
             if (fabs(a + b - 1) < 1e-9) value /= 2; // the diagonal cuts this texel in halves
-            light.image.pixels[3 * ((size_t)y * n + x)] = value;
+            for (size_t k = 0; k < 3; k++) light.image.pixels[3 * ((size_t)y * n + x) + k] = value;
         }
     sag_vec3 axis = {0, 1, 0};
     light.to_world = sag_affine_rotate(PI / 2, axis);
@@ -283,14 +283,14 @@ static double busy_room(sag_strategy strategy, sag_integrator_kind integrator, u
     }
     sag_add_plane(s.scene, &(sag_plane){.point = {0, -2, 0}, .normal = {0, 1, 0}});
     uint32_t lamp = sag_add_sphere(s.scene, &(sag_sphere){.center = {3, 4, 3}, .radius = 1.5});
-    sag_world_set_appearance(s.world, s.scene, lamp, &(sag_appearance){.emission = {5, 0, 0}});
+    sag_world_set_appearance(s.world, s.scene, lamp, &(sag_appearance){.emission = {5, 5, 5}});
     uint32_t torch =
         sag_add_disk(s.scene, &(sag_disk){.center = {-3, 1, 2}, .normal = {3, -1, -2}, .radius = 1});
-    sag_world_set_appearance(s.world, s.scene, torch, &(sag_appearance){.emission = {5, 0, 0}});
+    sag_world_set_appearance(s.world, s.scene, torch, &(sag_appearance){.emission = {5, 5, 5}});
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_SKY, .color = {1, 0, 0}, .horizon = {0.2, 0, 0}});
+                        &(sag_light){.kind = SAG_LIGHT_SKY, .color = {1, 1, 1}, .horizon = {0.2, 0.2, 0.2}});
     sag_world_add_light(s.world,
-                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {2, 0, 0}, .from = {0, 3, 3}});
+                        &(sag_light){.kind = SAG_LIGHT_POINT, .color = {2, 2, 2}, .from = {0, 3, 3}});
     studio_mean m = studio_measure(&s);
     studio_close(&s);
     return m.mean;
@@ -340,8 +340,8 @@ static void looking_out_of_glass(void **state) {
         uint32_t ground = sag_add_plane(s.scene, &(sag_plane){.point = {0, -5, 0}, .normal = {0, 1, 0}});
         sag_world_set_appearance(s.world, s.scene, top, &(sag_appearance){.material = glass});
         sag_world_set_appearance(s.world, s.scene, ground,
-                                 &(sag_appearance){.material = black, .emission = {3, 0, 0}});
-        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 0, 0}});
+                                 &(sag_appearance){.material = black, .emission = {3, 3, 3}});
+        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}});
         sag_vec3 eye = {0, -1, 0}, target = {0, -1 + cos(angles[i]), sin(angles[i])};
         studio_aim_point(&s, eye, target);
         studio_mean m = studio_measure(&s);
@@ -376,7 +376,7 @@ static void holes_and_interfaces(void **state) {
         uint32_t veil = sag_add_rectangle(
             s.scene, &(sag_rectangle){.corner = {-2, 1, -2}, .edge_u = {4, 0, 0}, .edge_v = {0, 0, 4}});
         sag_world_set_appearance(s.world, s.scene, veil, &look);
-        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 0, 0}});
+        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}});
         // The veil hides the floor from the camera, were it not for its mask.
         sag_geometry_set_mask(s.scene, veil, ~(uint32_t)SAG_RAY_CAMERA);
         s.settings->samples_per_pixel = 64;

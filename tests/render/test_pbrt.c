@@ -14,7 +14,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "formats/spectra.h"
 #include "render/world.h"
 #include "support/scene_text.h"
 
@@ -300,23 +299,6 @@ static void test_lights_and_materials(void **state) {
     sag_world_destroy(world);
 }
 
-static void test_colors(void **state) {
-    (void)state;
-    sag_rgb rgb = sagi_spectrum_blackbody(6504);
-    assert_true(fabs(rgb.r - 1) < 0.06 && fabs(rgb.g - 1) < 0.06 && fabs(rgb.b - 1) < 0.06);
-    rgb = sagi_spectrum_blackbody(2856);
-    assert_true(rgb.r > 1.5 && rgb.g > 0.7 && rgb.b < 0.35);
-    assert_true(fabs(0.2126390 * rgb.r + 0.7151687 * rgb.g + 0.0721923 * rgb.b - 1) < 1e-4);
-    const double flat[] = {300, 0.25, 900, 0.25};
-    rgb = sagi_spectrum_sampled(flat, 2, SAGI_SPECTRUM_REFLECTANCE);
-    scene_near(rgb.r, 0.25), scene_near(rgb.g, 0.25), scene_near(rgb.b, 0.25);
-    rgb = sagi_spectrum_sampled(flat, 2, SAGI_SPECTRUM_INDEX);
-    scene_near(rgb.r, 0.25);
-    rgb = sagi_spectrum_blackbody(NAN);
-    assert_true(rgb.r == 0 && rgb.g == 0 && rgb.b == 0);
-    assert_false(sagi_spectrum_named((sagi_slice){"metal-X", 7}, &rgb));
-}
-
 static void count_mesh(void *user, const char *name, const sag_mesh *mesh) {
     uint64_t *counts = user;
     assert_true(name && name[0]);
@@ -389,7 +371,6 @@ int main(void) {
         cmocka_unit_test(test_mirrored_meshes_keep_their_front),
         cmocka_unit_test(test_objects_and_attributes),
         cmocka_unit_test(test_lights_and_materials),
-        cmocka_unit_test(test_colors),
         cmocka_unit_test(test_shared_scenes),
         cmocka_unit_test(test_showcase),
     };

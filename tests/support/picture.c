@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support/picture.h"
 
+#include "render/job.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +12,7 @@
 #include <string.h>
 
 studio studio_open(uint32_t thread_count) {
-    studio s;
+    studio s = {.in_color = false};
     s.context = sag_context_create(&(sag_context_options){.thread_count = thread_count});
     s.world = sag_world_create(s.context);
     assert_non_null(s.world);
@@ -49,12 +51,27 @@ uint32_t studio_material(studio *s, sag_material material) {
     return id;
 }
 
+// Wavelengths all alike, and a sensor that undoes white's spectrum: a sample of white sums up to 4 · ¼.
+static void see_white_alike(sag_render *render) {
+    const int span = SAGI_WAVELENGTH_MAX - SAGI_WAVELENGTH_MIN;
+    for (int i = 0; i <= SAGI_WAVELENGTH_STEPS; i++)
+        render->wavelengths.lambda[i] =
+            (float)(SAGI_WAVELENGTH_MIN + (double)span * i / SAGI_WAVELENGTH_STEPS);
+    for (int i = 0; i < SAGI_WAVELENGTH_COUNT; i++) {
+        const float value = 1 / (span * sagi_color_spaces[SAG_COLOR_SRGB].illuminant[i]);
+        render->sensor.response[i] = (sagi_spectrum){value, value, value, 0};
+    }
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) render->sensor.output[i][k] = i == k;
+}
+
 sag_image studio_render(studio *s, sag_render_stats *stats) {
     sag_error error = {.status = SAG_OK};
     sag_image image;
     sag_render *render = sag_render_create(s->world, &error);
     if (!render) print_message("%s\n", error.message);
     assert_non_null(render);
+    if (!s->in_color) see_white_alike(render);
     assert_int_equal(sag_render_run(render, NULL, NULL, &error), SAG_OK);
     assert_int_equal(sag_render_get_image(render, &image, &error), SAG_OK);
     if (stats) sag_render_get_stats(render, stats);

@@ -11,6 +11,8 @@ typedef struct studio {
     sag_world *world;
     sag_scene *scene;
     sag_settings *settings;
+    bool in_color; // else the sensor is such that each sample of white light is exactly 1, in all three
+                   // channels: what wavelengths it has makes no noise
 } studio;
 
 // A world with a camera at (0, 0, 8) looking along −z, 32×32 pixels of 0.4 rad, 16 independent samples.

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Colour spaces, and reflectances for their colours.
+#ifndef SAGI_RENDER_COLORSPACE_H
+#define SAGI_RENDER_COLORSPACE_H
+
+#include "spectrum_data.h"
+
+#include <stdbool.h>
+
+#define SAGI_COLOR_SPACE_COUNT 4
+// Steps along each side of a table of coefficients.
+#define SAGI_COLOR_TABLE_SIZE 16
+
+// Linear RGB: three primaries and a white, which is the light that makes (1, 1, 1).
+typedef struct sagi_color_space {
+    double primaries[3][2]; // x, y
+    double white[3];        // X, Y = 1, Z
+    double to_xyz[3][3], from_xyz[3][3];
+    float illuminant[SAGI_WAVELENGTH_COUNT]; // at luminance 1
+} sagi_color_space;
+
+// One table for each component that may be the largest: [largest][its value,
+// rising][next/largest][last/largest].
+typedef float sagi_color_table[3][SAGI_COLOR_TABLE_SIZE][SAGI_COLOR_TABLE_SIZE][SAGI_COLOR_TABLE_SIZE][4];
+
+// The sum of y: light of this power at every nanometre has luminance 1 (a candela's 683 lm/W left aside).
+double sagi_luminance_norm(void);
+// From the primaries' chromaticities and the light that is white, any amount of it.
+void sagi_color_space_init(sagi_color_space *space, const double primaries[3][2],
+                           const float illuminant[SAGI_WAVELENGTH_COUNT]);
+void sagi_matrix_multiply(const double a[3][3], const double b[3][3], double product[3][3]);
+void sagi_matrix_apply(const double m[3][3], const double v[3], double product[3]);
+// False for a singular one.
+bool sagi_matrix_invert(const double m[3][3], double inverse[3][3]);
+
+// The coefficients of a reflectance that has the linear colour rgb, each in [0, 1], under the space's white;
+// see rgb_solve.c. `c` goes in as the first guess.
+void sagi_color_solve(const sagi_color_space *space, const double rgb[3], double c[3]);
+// Values of the largest component in the tables, from 0 to 1.
+double sagi_color_node(int i);
+
+// Written when the library is built (src/tables): the spaces by sag_color_space, and their tables.
+extern const sagi_color_space sagi_color_spaces[SAGI_COLOR_SPACE_COUNT];
+extern const sagi_color_table sagi_color_tables[SAGI_COLOR_SPACE_COUNT];
+
+#endif

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Spectra for RGB colours, as pbrt-v4 makes them of Jakob & Hanika's reflectances s (rgb_solve.c): an albedo
+// is s of the colour; of an amount m = max(r, g, b) without bound, s has the colour rgb/2m, where it is
+// smooth, and 2m scales it; light is that times the space's white. Grey is the same at all wavelengths.
+#include "spectrum.h"
+
+#define N SAGI_COLOR_TABLE_SIZE
+
+static sag_rgb cut_off(sag_rgb c, double high) {
+    return sagi_rgb(sagi_clamp(c.r, 0, high), sagi_clamp(c.g, 0, high), sagi_clamp(c.b, 0, high));
+}
+
+// Coefficients from the table, linear between its nodes. The colour is in [0, 1] and not black.
+static void look_up(sag_color_space space, const double rgb[3], float c[3]) {
+    const int largest = rgb[0] > rgb[1] ? (rgb[0] > rgb[2] ? 0 : 2) : (rgb[1] > rgb[2] ? 1 : 2);
+    const double z = rgb[largest];
+    const double x = rgb[(largest + 1) % 3] / z * (N - 1), y = rgb[(largest + 2) % 3] / z * (N - 1);
+    const int xi = x < N - 2 ? (int)x : N - 2, yi = y < N - 2 ? (int)y : N - 2;
+    int zi = 0, high = N - 1;
+    while (high - zi > 1) {
+        const int middle = (zi + high) / 2;
+        if (sagi_color_node(middle) <= z)
+            zi = middle;
+        else
+            high = middle;
+    }
+    const double low = sagi_color_node(zi);
+    const float dx = (float)(x - xi), dy = (float)(y - yi),
+                dz = (float)((z - low) / (sagi_color_node(zi + 1) - low));
+    sagi_spectrum layers[2];
+    for (int k = 0; k < 2; k++) {
+        const float(*layer)[N][4] = sagi_color_tables[space][largest][zi + k];
+        const float *a = layer[yi][xi], *b = layer[yi][xi + 1], *d = layer[yi + 1][xi],
+                    *e = layer[yi + 1][xi + 1];
+        const sagi_spectrum va = {a[0], a[1], a[2], 0}, vb = {b[0], b[1], b[2], 0},
+                            vd = {d[0], d[1], d[2], 0}, ve = {e[0], e[1], e[2], 0};
+        layers[k] = (1 - dy) * ((1 - dx) * va + dx * vb) + dy * ((1 - dx) * vd + dx * ve);
+    }
+    const sagi_spectrum value = (1 - dz) * layers[0] + dz * layers[1];
+    for (int k = 0; k < 3; k++) c[k] = value[k];
+}
+
+static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, bool exactly) {
+    // What is no colour stays none, so that it is found out; a reflectance is cut off.
+    if (use != SAGI_RGB_ALBEDO && !sagi_rgb_is_finite(rgb)) return (sagi_color){.scale = NAN};
+    rgb = cut_off(rgb, use == SAGI_RGB_ALBEDO ? 1 : INFINITY);
+    const float *illuminant = use == SAGI_RGB_ILLUMINANT ? sagi_color_spaces[space].illuminant : NULL;
+    const double most = sagi_rgb_max(rgb);
+    if (rgb.r == rgb.g && rgb.g == rgb.b)
+        return (sagi_color){.scale = (float)rgb.r, .table = illuminant, .varies = illuminant != NULL};
+    const double scale = use == SAGI_RGB_ALBEDO ? 1 : 2 * most;
+    const double wanted[3] = {rgb.r / scale, rgb.g / scale, rgb.b / scale};
+    sagi_color color = {.scale = (float)scale, .table = illuminant, .curved = true, .varies = true};
+    look_up(space, wanted, color.c);
+    if (!exactly) return color;
+    double c[3] = {(double)color.c[0], (double)color.c[1], (double)color.c[2]};
+    sagi_color_solve(&sagi_color_spaces[space], wanted, c);
+    for (int k = 0; k < 3; k++) color.c[k] = (float)c[k];
+    return color;
+}
+
+sagi_color sagi_color_of_rgb(sag_color_space space, sag_rgb rgb, sagi_rgb_use use) {
+    return make(space, rgb, use, true);
+}
+
+sagi_color sagi_color_of_texel(sag_color_space space, sag_rgb rgb, sagi_rgb_use use) {
+    return make(space, rgb, use, false);
+}
