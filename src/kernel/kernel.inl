@@ -12,7 +12,7 @@
 #include "shapes/closed.h"
 #include "shapes/common.h"
 #include "shapes/mesh.h"
-#include "shapes/outline.h"
+#include "shapes/outline_four.h"
 #include "shapes/sphere_four.h"
 #include "shapes/sphere_solve.h"
 #include "shapes/spheres.h"

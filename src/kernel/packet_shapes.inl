@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Sixteen rays of a packet (packet.inl) and references, each to a shape of any kind. Part of kernel.inl.
+//
+// There is no box of the packet's to tell which ray meets a shape, but four rays at a time ask closed
+// quadrics (shapes/outline_four.h) for about as much as four boxes would take. All other shapes are asked ray
+// by ray.
 
 // Takes note of a hit of one ray.
 static void packet_found(packet *p, uint32_t ray, const sag_hit *hit) {
@@ -37,12 +41,98 @@ static __attribute__((noinline)) void packet_ask(packet *p, const sagi_bvh_refer
     }
 }
 
-static __attribute__((noinline)) void packet_references(packet *p, const sagi_bvh_reference *refs,
-                                                        uint32_t count, float begin) {
+static inline uint32_t rays_left(const packet *p, float begin) {
     uint32_t rays = 0;
     for (size_t i = 0; i < PACKET_GROUPS; i++)
         rays |= sagi_i8_mask(sagi_f8_at_most(sagi_f8_fill(begin), p->limit[i])) << 8 * i;
+    return rays;
+}
+
+// Bits to lanes.
+SAGI_INLINE sagi_l4 lanes_of(uint32_t bits) {
+    const sagi_l4 bit = {1, 2, 4, 8};
+    return ((sagi_l4){bits, bits, bits, bits} & bit) == bit;
+}
+
+// The directions of four rays in the space of a geometry, as sagi_ray_transform has them.
+SAGI_INLINE void directions_of(const packet *p, const sagi_place *place, size_t four, sagi_d4 d[3]) {
+    const sagi_d4 *way = p->way[four];
+    for (int k = 0; k < 3; k++) {
+        if (place == NULL) {
+            d[k] = way[k];
+            continue;
+        }
+        const double *row = place->to_object.m[k];
+        d[k] = row[0] * way[0] + row[1] * way[1] + row[2] * way[2];
+    }
+}
+
+static inline void turn_directions(packet *p) {
+    if (p->turned) return;
+    p->turned = true;
+    for (size_t i = 0; i < PACKET_RAYS / 4; i++) {
+        sagi_d4 row[2][4], unused;
+        for (size_t k = 0; k < 4; k++) { // a ray begins with origin, direction, t_min, t_max
+            const char *ray = (const char *)&p->rays[4 * i + k];
+            row[0][k] = sagi_d4_load(ray), row[1][k] = sagi_d4_load(ray + sizeof(sagi_d4));
+        }
+        (void)sagi_d4_columns(row[0], &p->way[i][0]);
+        const sagi_d4x3 rest = sagi_d4_columns(row[1], &unused);
+        p->way[i][1] = rest.x, p->way[i][2] = rest.y;
+    }
+}
+
+// Takes note of what four rays have found; returns those that have to ask again.
+static inline uint32_t take_four(packet *p, size_t four, uint32_t geometry, const sagi_outline_four *found) {
+    const search here = {.path_length = 0};
+    for (uint32_t left = sagi_d4_signs((sagi_d4)found->hit); left != 0; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        sag_hit hit;
+        write_hit(&here, geometry, (uint32_t)found->primitive[i], found->t[i], 0, 0, &hit);
+        packet_found(p, (uint32_t)(4 * four) + (uint32_t)i, &hit);
+    }
+    return sagi_d4_signs((sagi_d4)found->unknown) << 4 * four;
+}
+
+// Asks a closed quadric for these rays, four at a time; returns those that have to be asked alone.
+static __attribute__((noinline)) uint32_t packet_outline(packet *p, uint32_t geometry, uint32_t rays) {
+    const sagi_item *item = &p->world->items[geometry];
+    const sag_vec3 origin = p->rays->origin;
+    const sagi_outline_origin from = sagi_outline_origin_make(
+        item->outline, item->place != NULL ? sagi_affine_point(&item->place->to_object, origin) : origin,
+        p->rays->t_min);
+    uint32_t alone = 0;
+    turn_directions(p);
+    for (size_t i = 0; i < PACKET_RAYS / 4; i++) {
+        const uint32_t here = rays >> 4 * i & 15;
+        if (here == 0) continue;
+        sagi_outline_four four;
+        directions_of(p, item->place, i, four.d);
+        four.t_max = p->t_max[i];
+        sagi_outline_first4(&from, &four, lanes_of(here));
+        alone |= take_four(p, i, geometry, &four);
+    }
+    return alone;
+}
+
+// References of a leaf that a ray meets at τ = begin at the earliest. Those that no way of four is known for
+// are asked together.
+static __attribute__((noinline)) void packet_references(packet *p, const sagi_bvh_reference *refs,
+                                                        uint32_t count, float begin) {
     p->work++;
-    if (!put_off_all(p->later, p->world, p->mask, refs, count, p->rays, rays))
-        packet_ask(p, refs, count, rays);
+    for (uint32_t i = 0, n; i < count; i += n) {
+        n = 1;
+        const uint32_t rays = rays_left(p, begin);
+        if (rays == 0) return;
+        const sagi_item *item = &p->world->items[refs[i].geometry];
+        if (item->outline != NULL) {
+            if ((p->mask & item->mask) == 0) continue;
+            const uint32_t alone = packet_outline(p, refs[i].geometry, rays);
+            if (alone != 0) packet_ask(p, refs + i, 1, alone);
+            continue;
+        }
+        while (i + n < count && p->world->items[refs[i + n].geometry].outline == NULL) n++;
+        if (!put_off_all(p->later, p->world, p->mask, refs + i, n, p->rays, rays))
+            packet_ask(p, refs + i, n, rays);
+    }
 }

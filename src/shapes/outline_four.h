@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// Four rays from one point and one closed quadric: the steps of outline.h, every number of a ray being a
+// vector of which each lane is a ray of its own; what depends on the origin alone is worked out once. The
+// operations are the same in the same order, and so are the bits of the answers. Where outline.h takes a
+// second polishing step, and for rays along the planes of the caps, the answer is "unknown" here.
+#ifndef SAGI_SHAPES_OUTLINE_FOUR_H
+#define SAGI_SHAPES_OUTLINE_FOUR_H
+
+#include "math/dd_four.h"
+#include "shapes/outline.h"
+
+// What depends on the shape and the origin.
+typedef struct sagi_outline_origin {
+    const sagi_outline *outline;
+    sag_vec3 at;
+    double t_min;
+    sagi_dd origin[3];           // from the form's centre
+    double g[3], g_magnitude[3]; // of b = g·d
+    double c, c_error;
+    bool usual;
+} sagi_outline_origin;
+
+static inline sagi_outline_origin sagi_outline_origin_make(const sagi_outline *outline, sag_vec3 at,
+                                                           double t_min) {
+    const sagi_quadric_form *form = &outline->form;
+    const sag_vec3 center = form->center;
+    sagi_outline_origin o = {.outline = outline, .at = at, .t_min = t_min};
+    o.origin[0] = sagi_two_sum(at.x, -center.x), o.origin[1] = sagi_two_sum(at.y, -center.y);
+    o.origin[2] = sagi_two_sum(at.z, -center.z);
+    const double y[3] = {o.origin[0].hi, o.origin[1].hi, o.origin[2].hi};
+    o.usual = fabs(y[0]) + fabs(y[1]) + fabs(y[2]) < SAGI_QUADRIC_FARTHEST;
+    sagi_quadric_apply(form, y, o.g, o.g_magnitude);
+    // As sagi_quadric_expand has it: only along z there is a linear term.
+    const double l = form->linear[2].hi;
+    double c = form->constant.hi, c_sum = fabs(c);
+    o.g[2] += l, o.g_magnitude[2] += fabs(l);
+    c += l * y[2], c_sum += fabs(l * y[2]);
+    for (int i = 0; i < 3; i++) c += o.g[i] * y[i], c_sum += o.g_magnitude[i] * fabs(y[i]);
+    o.c = c, o.c_error = SAGI_QUADRIC_EPSILON * c_sum;
+    return o;
+}
+
+typedef struct sagi_outline_four {
+    sagi_d4 d[3], t_max;  // of the rays
+    sagi_d4 t, primitive; // of what is found
+    sagi_d4 a, a_error, slack, cut_enter, cut_leave, cut_cap;
+    sagi_l4 hit, unknown;
+} sagi_outline_four;
+
+SAGI_INLINE sagi_d4 sagi_d4_copysign(sagi_d4 size, sagi_d4 sign) {
+    const sagi_l4 bit = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    return (sagi_d4)(((sagi_l4)size & ~bit) | ((sagi_l4)sign & bit));
+}
+
+// sagi_quadric_polish, one step: where the root is certain then.
+SAGI_INLINE sagi_l4 sagi_outline_polish4(const sagi_outline_origin *o, const sagi_outline_four *r,
+                                         sagi_d4 sign, sagi_d4 *root) {
+    const sagi_quadric_form *f = &o->outline->form;
+    sagi_dd4 value = sagi_dd4_fill(f->constant);
+    sagi_d4 b = sagi_d4_fill(0), b_sum = b, sum = sagi_d4_fill(fabs(f->constant.hi));
+    for (int i = 0; i < 3; i++) {
+        sagi_dd4 y = sagi_dd4_add(sagi_dd4_fill(o->origin[i]), sagi_two_prod4(*root, r->d[i]));
+        sagi_dd4 g = sagi_dd4_mul(sagi_dd4_fill(f->square[i]), y);
+        sagi_d4 magnitude = sagi_d4_abs(g.hi), half = g.hi;
+        if (i == 2) {
+            const sagi_dd l = f->linear[i];
+            half += l.hi;
+            b_sum += sagi_d4_abs(l.hi * r->d[i]);
+            magnitude += 2 * fabs(l.hi);
+            g = sagi_dd4_add(g, sagi_dd4_fill((sagi_dd){2 * l.hi, 2 * l.lo}));
+        }
+        value = sagi_dd4_add(value, sagi_dd4_mul(g, y));
+        sum += magnitude * sagi_d4_abs(y.hi);
+        b += half * r->d[i];
+        b_sum += magnitude * sagi_d4_abs(r->d[i]);
+    }
+    const sagi_d4 b_error = SAGI_QUADRIC_EPSILON * b_sum, value_error = SAGI_QUADRIC_EPSILON_DD * sum,
+                  size = sagi_d4_abs(b), v = value.hi;
+    sagi_l4 good = (b * sign > 0) & (b_error <= size * 0x1p-6) &
+                   ((sagi_d4_abs(r->a) + r->a_error) * (sagi_d4_abs(v) + value_error) <= b * b * 0.25);
+    sagi_d4 step = -v / (b + sagi_d4_copysign(sagi_d4_sqrt(b * b - r->a * v), b)), wide = sagi_d4_abs(step);
+    sagi_d4 error = 0.75 * value_error / size + wide * (1.4 * b_error / size + SAGI_QUADRIC_EPSILON) +
+                    0.75 * wide * wide * r->a_error / size;
+    *root += step;
+    return good & (error <= SAGI_EPSILON * sagi_d4_abs(*root));
+}
+
+// sagi_first_of_interval, of the lanes in `left`.
+SAGI_INLINE void sagi_outline_interval4(const sagi_outline_origin *o, sagi_outline_four *r, sagi_l4 left,
+                                        sagi_d4 enter, sagi_d4 leave, sagi_d4 sign) {
+    const sagi_d4 slack = r->slack, first = r->cut_enter, last = r->cut_leave, t_max = r->t_max;
+    const double t_min = o->t_min;
+    left &= ~((first > last) | (leave + slack < first) | (enter - slack > last));
+    left &= ~((leave + slack < t_min) | (last < t_min));
+    sagi_l4 cap = left & (first > enter + slack), curved = left & ~cap;
+    sagi_l4 sure = (first < leave - slack) & (first >= t_min);
+    r->unknown |= cap & ~sure;
+    cap &= sure & (first <= t_max) & (sagi_d4_abs(first) < INFINITY);
+    r->hit |= cap;
+    r->t = sagi_d4_select(cap, first, r->t), r->primitive = sagi_d4_select(cap, r->cut_cap, r->primitive);
+    sure = (first < enter - slack) & (enter + slack < last);
+    r->unknown |= curved & ~sure;
+    curved &= sure & ~(enter - slack > t_max);
+    if (sagi_d4_signs((sagi_d4)curved) == 0) return;
+    sagi_d4 root = enter;
+    sure = sagi_outline_polish4(o, r, sign, &root) & (root >= t_min);
+    r->unknown |= curved & ~sure;
+    curved &= sure & (root <= t_max);
+    r->hit |= curved;
+    r->t = sagi_d4_select(curved, root, r->t);
+    r->primitive = sagi_d4_select(curved, sagi_d4_fill(SAGI_CURVED), r->primitive);
+}
+
+// sagi_first_nappe: where the interval is of the nappe below the apex; *known: where that is certain.
+SAGI_INLINE sagi_l4 sagi_outline_below4(const sagi_outline_origin *o, const sagi_outline_four *r,
+                                        sagi_d4 enter, sagi_d4 leave, sagi_l4 *known) {
+    const sagi_d4 up = r->d[2], step = (enter * 0.5 + leave * 0.5) * up;
+    const double apex = o->outline->form.center.z;
+    const sagi_d4 middle = (o->at.z - apex) + step;
+    const sagi_d4 doubt =
+        r->slack * sagi_d4_abs(up) + 8 * SAGI_EPSILON * (fabs(o->at.z) + fabs(apex) + sagi_d4_abs(step));
+    const sagi_l4 last = leave == INFINITY, first = enter == -INFINITY;
+    *known = last | first | (middle < -doubt) | (middle > doubt);
+    return (last & (up < 0)) | (~last & first & (up > 0)) | (~last & ~first & (middle < -doubt));
+}
+
+// sagi_outline_first for those lanes: `hit` is where t and primitive are, `unknown` where to ask again.
+SAGI_INLINE void sagi_outline_first4(const sagi_outline_origin *o, sagi_outline_four *r, sagi_l4 lanes) {
+    const sagi_outline *outline = o->outline;
+    const sagi_quadric_form *form = &outline->form;
+    const sagi_l4 nothing = {0, 0, 0, 0};
+    const sagi_d4 zero = sagi_d4_fill(0);
+    sagi_d4 size[3], magnitude[3], qd[3];
+    for (int i = 0; i < 3; i++) {
+        size[i] = sagi_d4_abs(r->d[i]);
+        qd[i] = form->square[i].hi * r->d[i], magnitude[i] = sagi_d4_abs(qd[i]);
+    }
+    const sagi_d4 largest = sagi_d4_max(sagi_d4_max(size[0], size[1]), size[2]);
+    const sagi_d4 a = r->a = qd[0] * r->d[0] + qd[1] * r->d[1] + qd[2] * r->d[2];
+    const sagi_d4 a_error = r->a_error =
+        SAGI_QUADRIC_EPSILON * (magnitude[0] * size[0] + magnitude[1] * size[1] + magnitude[2] * size[2]);
+    sagi_d4 b = zero, b_sum = zero;
+    for (int i = 0; i < 3; i++) b += o->g[i] * r->d[i], b_sum += o->g_magnitude[i] * size[i];
+    const sagi_d4 b_error = SAGI_QUADRIC_EPSILON * b_sum;
+    const double c = o->c, c_error = o->c_error;
+    sagi_d4 bb = b * b, ac = a * c, d = bb - ac;
+    sagi_d4 d_error = (2 * sagi_d4_abs(b) + b_error) * b_error + fabs(c) * a_error +
+                      (sagi_d4_abs(a) + a_error) * c_error + 4 * SAGI_EPSILON * (bb + sagi_d4_abs(ac));
+    r->hit = nothing;
+    sagi_l4 left = lanes, usual = (largest > 0x1p-60) & (largest < 0x1p60) & (sagi_d4_abs(a) > a_error);
+    if (!o->usual) usual = nothing;
+    const sagi_l4 positive = a > 0;
+    const sagi_d4 sign = sagi_d4_select(positive, sagi_d4_fill(1), sagi_d4_fill(-1));
+    sagi_l4 missed = d < -d_error;
+    if (o->t_min >= 0) missed |= (sign * c > c_error) & (sign * b > b_error);
+    // Certainly missed, or not known, or it goes on.
+    r->unknown = left & (~usual | (missed & ~positive) | (~missed & ~(d > SAGI_QUADRIC_GUARD * d_error)));
+    left &= ~r->unknown & ~missed;
+    if (sagi_d4_signs((sagi_d4)left) == 0) return;
+
+    const sagi_d4 root = sagi_d4_sqrt(d), q = -(b + sagi_d4_copysign(root, b));
+    const sagi_d4 ta = 0 + q / a, tb = 0 + c / q;
+    const sagi_l4 sooner = ta < tb;
+    const sagi_d4 t0 = sagi_d4_select(sooner, ta, tb), t1 = sagi_d4_select(sooner, tb, ta);
+    r->slack = (root * 0x1p-5 + b_error) / sagi_d4_abs(a);
+    const sagi_d4 low = (outline->z_min - o->at.z) / r->d[2], high = (outline->z_max - o->at.z) / r->d[2];
+    const sagi_l4 up = r->d[2] > 0;
+    r->cut_enter = sagi_d4_select(up, low, high), r->cut_leave = sagi_d4_select(up, high, low);
+    r->cut_cap = sagi_d4_select(up, sagi_d4_fill(SAGI_CAP_LOW), sagi_d4_fill(SAGI_CAP_HIGH));
+    const sagi_l4 finite =
+        (sagi_d4_abs(t0) < INFINITY) & (sagi_d4_abs(t1) < INFINITY) & (r->slack < INFINITY) & (r->d[2] != 0);
+    r->unknown |= left & ~finite;
+    left &= finite;
+    for (int i = 0; i < 2; i++) {
+        const sagi_d4 far = sagi_d4_fill(INFINITY);
+        const sagi_d4 enter = i == 0 ? sagi_d4_select(positive, t0, -far) : t1;
+        const sagi_d4 leave = i == 0 ? sagi_d4_select(positive, t1, t0) : far;
+        sagi_l4 here = left;
+        if (outline->below) {
+            sagi_l4 known, below = sagi_outline_below4(o, r, enter, leave, &known);
+            r->unknown |= here & ~known;
+            here &= known & below;
+        }
+        sagi_outline_interval4(o, r, here, enter, leave, i == 0 ? -sign : sign);
+        left &= ~positive & ~r->hit & ~r->unknown;
+        if (sagi_d4_signs((sagi_d4)left) == 0) return;
+    }
+}
+
+#endif
