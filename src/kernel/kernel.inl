@@ -16,6 +16,7 @@
 #include "shapes/sphere_four.h"
 #include "shapes/sphere_solve.h"
 #include "shapes/spheres.h"
+#include "shapes/torus_four.h"
 #include "shapes/triangle_solve.h"
 #include "shapes/user.h"
 #include "solid/carved.h"

@@ -94,13 +94,18 @@ static inline uint32_t take_four(packet *p, size_t four, uint32_t geometry, cons
     return sagi_d4_signs((sagi_d4)found->unknown) << 4 * four;
 }
 
-// Asks a closed quadric for these rays, four at a time; returns those that have to be asked alone.
-static __attribute__((noinline)) uint32_t packet_outline(packet *p, uint32_t geometry, uint32_t rays) {
+// Asks a shape with a way of four for these rays; returns those that have to be asked alone.
+static __attribute__((noinline)) uint32_t packet_ask_four(packet *p, uint32_t geometry, uint32_t rays) {
     const sagi_item *item = &p->world->items[geometry];
-    const sag_vec3 origin = p->rays->origin;
-    const sagi_outline_origin from = sagi_outline_origin_make(
-        item->outline, item->place != NULL ? sagi_affine_point(&item->place->to_object, origin) : origin,
-        p->rays->t_min);
+    const bool torus = item->kind == SAG_SHAPE_TORUS;
+    sag_vec3 origin = p->rays->origin;
+    if (item->place != NULL) origin = sagi_affine_point(&item->place->to_object, origin);
+    sagi_outline_origin quadric_from = {.usual = false};
+    sagi_torus_origin torus_from = {.usual = false};
+    if (torus)
+        torus_from = sagi_torus_origin_make(item->shape, origin, p->rays->t_min);
+    else
+        quadric_from = sagi_outline_origin_make(item->outline, origin, p->rays->t_min);
     uint32_t alone = 0;
     turn_directions(p);
     for (size_t i = 0; i < PACKET_RAYS / 4; i++) {
@@ -109,10 +114,17 @@ static __attribute__((noinline)) uint32_t packet_outline(packet *p, uint32_t geo
         sagi_outline_four four;
         directions_of(p, item->place, i, four.d);
         four.t_max = p->t_max[i];
-        sagi_outline_first4(&from, &four, lanes_of(here));
+        if (torus)
+            sagi_torus_first4(&torus_from, &four, lanes_of(here));
+        else
+            sagi_outline_first4(&quadric_from, &four, lanes_of(here));
         alone |= take_four(p, i, geometry, &four);
     }
     return alone;
+}
+
+static inline bool goes_by_four(const sagi_item *item) {
+    return item->outline != NULL || item->kind == SAG_SHAPE_TORUS;
 }
 
 // References of a leaf that a ray meets at τ = begin at the earliest. Those that no way of four is known for
@@ -125,13 +137,13 @@ static __attribute__((noinline)) void packet_references(packet *p, const sagi_bv
         const uint32_t rays = rays_left(p, begin);
         if (rays == 0) return;
         const sagi_item *item = &p->world->items[refs[i].geometry];
-        if (item->outline != NULL) {
+        if (goes_by_four(item)) {
             if ((p->mask & item->mask) == 0) continue;
-            const uint32_t alone = packet_outline(p, refs[i].geometry, rays);
+            const uint32_t alone = packet_ask_four(p, refs[i].geometry, rays);
             if (alone != 0) packet_ask(p, refs + i, 1, alone);
             continue;
         }
-        while (i + n < count && p->world->items[refs[i + n].geometry].outline == NULL) n++;
+        while (i + n < count && !goes_by_four(&p->world->items[refs[i + n].geometry])) n++;
         if (!put_off_all(p->later, p->world, p->mask, refs + i, n, p->rays, rays))
             packet_ask(p, refs + i, n, rays);
     }

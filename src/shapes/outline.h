@@ -10,6 +10,12 @@
 //   · Only a root by which the ray comes in is made certain to the last bit, never the one by which it
 //   leaves.
 //
+// The slack of a root t of a t² + 2bt + c, the coefficients being off by their errors: the polynomial there
+// is off by E = a_error t² + 2 b_error |t| + c_error, and its slope is at least 1.4 times the root of the
+// discriminant all the way to the true root (which D > 64 d_error sees to, and |a| > 64 a_error). So t is off
+// by less than E over that root, and by 2⁻⁵⁰ |t| for roundings. Of which nappe an interval is, which the
+// general way tells by roots that may be coarse, is decided with the coarser slack of that.
+//
 // Whatever is closer than the slack, starts inside, or is not of the usual size, is "unknown": then the
 // shape's own verb is asked. The steps are those of the general way, one by one, and so the answer is the
 // same to the bit (tests/unit/test_outline.c).
@@ -40,13 +46,13 @@ bool sagi_ellipsoid_outline(const sag_ellipsoid *ellipsoid, sagi_outline *outlin
 typedef enum sagi_first { SAGI_FIRST_NONE, SAGI_FIRST_HIT, SAGI_FIRST_UNKNOWN } sagi_first;
 
 // A valid ray as a polynomial, and the intervals inside of {F ≤ 0}: from `enter` to `leave`, each a root
-// (known to ±slack) or infinite.
+// (known to ±slack) or infinite. `coarse` is what quadric_solve.c has in place of the slack.
 typedef struct sagi_first_search {
     const sagi_outline *outline;
     const sag_ray *ray;
     sagi_local_ray local;
     sagi_polynomial p;
-    double slack;
+    double slack, coarse;
     sagi_axial_cut cut;
 } sagi_first_search;
 
@@ -57,7 +63,7 @@ static inline int sagi_first_nappe(const sagi_first_search *s, double enter, dou
     if (leave == INFINITY) return up < 0 ? 1 : -1;
     if (enter == -INFINITY) return up > 0 ? 1 : -1;
     const double step = (enter * 0.5 + leave * 0.5) * up, middle = (o - apex) + step;
-    const double doubt = s->slack * fabs(up) + 8 * SAGI_EPSILON * (fabs(o) + fabs(apex) + fabs(step));
+    const double doubt = s->coarse * fabs(up) + 8 * SAGI_EPSILON * (fabs(o) + fabs(apex) + fabs(step));
     return middle < -doubt ? 1 : middle > doubt ? -1 : 0;
 }
 
@@ -111,7 +117,10 @@ static inline sagi_first sagi_outline_first(const sagi_outline *outline, const s
     const double root = sqrt(d), q = -(p->b + copysign(root, p->b));
     // As quadric_solve.c has it, a shift of 0 added.
     const double ta = 0 + q / p->a, tb = 0 + p->c / q, t0 = ta < tb ? ta : tb, t1 = ta < tb ? tb : ta;
-    s.slack = (root * 0x1p-5 + p->b_error) / fabs(p->a);
+    s.coarse = (root * 0x1p-5 + p->b_error) / fabs(p->a);
+    const double reach = fabs(t0) > fabs(t1) ? fabs(t0) : fabs(t1);
+    const double fine = ((p->a_error * reach + 2 * p->b_error) * reach + p->c_error) / root + 0x1p-50 * reach;
+    s.slack = fabs(p->a) > 64 * p->a_error && fine < s.coarse ? fine : s.coarse;
     s.cut = sagi_cut_slab(outline->z_min, outline->z_max, at.z, way.z);
     if (!isfinite(t0) || !isfinite(t1) || !isfinite(s.slack)) return SAGI_FIRST_UNKNOWN;
     const double enter[2] = {p->a > 0 ? t0 : -INFINITY, t1}, leave[2] = {p->a > 0 ? t1 : t0, INFINITY};

@@ -43,7 +43,7 @@ static inline sagi_outline_origin sagi_outline_origin_make(const sagi_outline *o
 typedef struct sagi_outline_four {
     sagi_d4 d[3], t_max;  // of the rays
     sagi_d4 t, primitive; // of what is found
-    sagi_d4 a, a_error, slack, cut_enter, cut_leave, cut_cap;
+    sagi_d4 a, a_error, coarse, slack, cut_enter, cut_leave, cut_cap;
     sagi_l4 hit, unknown;
 } sagi_outline_four;
 
@@ -162,7 +162,10 @@ SAGI_INLINE void sagi_outline_first4(const sagi_outline_origin *o, sagi_outline_
     const sagi_d4 ta = 0 + q / a, tb = 0 + c / q;
     const sagi_l4 sooner = ta < tb;
     const sagi_d4 t0 = sagi_d4_select(sooner, ta, tb), t1 = sagi_d4_select(sooner, tb, ta);
-    r->slack = (root * 0x1p-5 + b_error) / sagi_d4_abs(a);
+    r->coarse = (root * 0x1p-5 + b_error) / sagi_d4_abs(a);
+    const sagi_d4 far = sagi_d4_max(sagi_d4_abs(t0), sagi_d4_abs(t1));
+    const sagi_d4 fine = ((a_error * far + 2 * b_error) * far + c_error) / root + 0x1p-50 * far;
+    r->slack = sagi_d4_select(sagi_d4_abs(a) > 64 * a_error, sagi_d4_min(fine, r->coarse), r->coarse);
     const sagi_d4 low = (outline->z_min - o->at.z) / r->d[2], high = (outline->z_max - o->at.z) / r->d[2];
     const sagi_l4 up = r->d[2] > 0;
     r->cut_enter = sagi_d4_select(up, low, high), r->cut_leave = sagi_d4_select(up, high, low);
@@ -172,9 +175,9 @@ SAGI_INLINE void sagi_outline_first4(const sagi_outline_origin *o, sagi_outline_
     r->unknown |= left & ~finite;
     left &= finite;
     for (int i = 0; i < 2; i++) {
-        const sagi_d4 far = sagi_d4_fill(INFINITY);
-        const sagi_d4 enter = i == 0 ? sagi_d4_select(positive, t0, -far) : t1;
-        const sagi_d4 leave = i == 0 ? sagi_d4_select(positive, t1, t0) : far;
+        const sagi_d4 never = sagi_d4_fill(INFINITY);
+        const sagi_d4 enter = i == 0 ? sagi_d4_select(positive, t0, -never) : t1;
+        const sagi_d4 leave = i == 0 ? sagi_d4_select(positive, t1, t0) : never;
         sagi_l4 here = left;
         if (outline->below) {
             sagi_l4 known, below = sagi_outline_below4(o, r, enter, leave, &known);

@@ -13,7 +13,8 @@
 //    make the quartic's coefficients.
 // 2. quartic.c brackets its roots in doubles, or says that it cannot tell how many there are.
 // 3. Newton with F in double-double: its error is below 2⁻⁹⁸ of M = (|p|²sum + |K|)² + 4R²ρ², which over |F'|
-//    bounds that of t. Enough for a root out of range, or for 2⁻⁵⁴ |t|: done.
+//    bounds that of t. Enough for a root out of range, or for all numbers that t may be to round to the same
+//    double: done. So t is the exact root rounded to nearest, however it was found (torus_four.h).
 // 4. For a start on the surface, t near 0, that error is too much beside t. But of f₀ + f₁t + f₂t² + …, the
 //    same quartic about the origin, only f₀ = F(o) cancels: with f₀ to 400 bits and the rest in double-double
 //    Newton gives t to all its bits; and f₀ = 0 is a start exactly on the surface, t = 0. (OpenMC #1933,
@@ -156,6 +157,12 @@ static value value_at(const local *l, sagi_dd t) {
 
 typedef enum outcome { FOUND, OUT_OF_RANGE, NOT_CERTAIN } outcome;
 
+// Whether every number within `left` of t, a little more than its bound, rounds to t.hi.
+static bool rounds_surely(sagi_dd t, double left) {
+    left += 0x1p-104 * fabs(t.hi);
+    return t.hi + (t.lo + left) == t.hi && t.hi + (t.lo - left) == t.hi;
+}
+
 // Newton in double-double from t; with any_range the range is not looked at.
 static outcome polish(const local *l, sagi_dd t, bool any_range, sagi_cut *cut) {
     for (int i = 0; i < 8; i++) {
@@ -168,7 +175,7 @@ static outcome polish(const local *l, sagi_dd t, bool any_range, sagi_cut *cut) 
         if (!(length * v.bend < 0x1p-3 * slope)) return NOT_CERTAIN;
         double left = (2 * v.f_error + length * (v.slope_error + v.bend * length)) / slope;
         if (!any_range && (t.hi + left < l->t_min || t.hi - left > l->t_max)) return OUT_OF_RANGE;
-        if (left <= 0x1p-54 * fabs(t.hi)) {
+        if (left <= 0x1p-54 * fabs(t.hi) && (any_range || rounds_surely(t, left))) {
             *cut = (sagi_cut){t, left};
             return FOUND;
         }
@@ -261,7 +268,7 @@ static outcome polish_near_origin(const local *l, double guess, sagi_cut *cut) {
         double change = length * bend / fabs(slope.hi) + 0x1p-45; // of the slope over the step
         if (!(change < 0x1p-3 && fabs(slope.hi) > 0x1p-40 * sizes[1])) return NOT_CERTAIN;
         double left = 0x1p-98 * error / fabs(slope.hi) + length * change;
-        if (left <= 0x1p-54 * fabs(t.hi)) {
+        if (left <= 0x1p-54 * fabs(t.hi) && rounds_surely(t, left)) {
             *cut = (sagi_cut){t, left};
             return FOUND;
         }
