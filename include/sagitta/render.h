@@ -240,8 +240,9 @@ typedef struct sag_appearance {
 
 /// Binds a look to a geometry of one of the world's scenes, in place of an earlier one. It sets the
 /// geometry's user data, so it comes before the scene's commit. SAG_ERROR_ARGUMENT for a scene that is none
-/// of the world's and an unknown geometry, material or texture, SAG_ERROR_MEMORY. Shining geometries in
-/// instanced scenes light the world too, but only surfaces' own sampling finds them.
+/// of the world's and an unknown geometry, material or texture, SAG_ERROR_MEMORY. A shining
+/// geometry in an instanced scene is a light in every instance. (Parts of solids light the world too, but
+/// only surfaces' own sampling finds them.)
 SAG_API sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                             const sag_appearance *appearance);
 
@@ -328,6 +329,13 @@ typedef enum sag_strategy {
     SAG_STRATEGY_SURFACES, ///< surfaces sampled; point, spot and distant lights, which no ray finds, sampled
 } sag_strategy;
 
+/// How one of the lights is chosen at a surface. All have the same mean.
+typedef enum sag_light_sampler {
+    SAG_LIGHT_SAMPLER_BVH,   ///< by a tree of lights: what each may send there (Conty Estévez & Kulla 2018)
+    SAG_LIGHT_SAMPLER_POWER, ///< by its power
+    SAG_LIGHT_SAMPLER_UNIFORM, ///< all alike
+} sag_light_sampler;
+
 /// Everything about how to look: what a scene file says above WorldBegin. sag_world_create fills the
 /// defaults: 1280×720, box filter, independent sampler, 16 samples, path, depth 5.
 typedef struct sag_settings {
@@ -345,6 +353,7 @@ typedef struct sag_settings {
     bool regularize;       ///< roughen what a path meets after its first rough surface (pbrt's): less sharp
                            ///< caustics for far less noise. Off by default
     sag_strategy strategy; ///< path and direct only
+    sag_light_sampler light_sampler; ///< path and direct only
 } sag_settings;
 
 /// Whether sag_film.sensor may have this name.

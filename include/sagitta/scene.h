@@ -253,6 +253,10 @@ SAG_API void sag_occluded_batch(const sag_scene *scene, const sag_ray *rays, boo
 /// a set; other shapes are one whole, whatever its value. For lights. Under a transform that is not a
 /// similarity: exact for flat shapes, else numerical (within about 1e-3).
 SAG_API double sag_geometry_area(const sag_scene *scene, uint32_t geometry, uint32_t primitive);
+/// A box that holds one primitive of a geometry (all of an instance), placed as it is in its committed scene,
+/// rounded outward. Empty for an unknown id, for what is not there (disabled, dropped, without extent in any
+/// direction); infinite for an unbounded shape. (tests/unit/test_scene_surface.c)
+SAG_API sag_box3 sag_geometry_bounds(const sag_scene *scene, uint32_t geometry, uint32_t primitive);
 /// A point on one primitive, placed as it is in its scene, and its density by area: exactly 1/area for flat
 /// shapes and similarities, else the density the map makes of it. False, writing nothing, when it cannot be
 /// sampled.

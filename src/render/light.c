@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Choosing a light and sampling it.
 //
-// Every light has a probability in one alias table. Lights in the scene share one part in proportion to their
-// power; each light at infinity, whose power depends on how big the scene is taken to be, gets a part of its
-// own (as pbrt's samplers do).
+// Which light is chosen depends on the point that is shone on (light_tree.c), but for lights at infinity,
+// which nothing tells apart: each of these gets a share, and all the others together get one (as in pbrt-v4).
+// Or it does not: one alias table for all, by power or alike.
 //
 // Multiple importance sampling (Veach 1997, §9.2.4): light found by both ways is weighted p²/(p_light² +
 // p_surface²), where p_light is the density per solid angle including the choice of the light. Lights that no
@@ -86,43 +86,67 @@ static bool sample_light(const sagi_light *light, const sagi_shading_point *from
     return sample->pdf > 0;
 }
 
-static const sagi_appearance *appearance_at(const sagi_lights *lights, uint32_t index) {
-    return (const sagi_appearance *)lights->world->appearances.items + index;
-}
-
-static bool sample_area(const sagi_lights *lights, const sagi_area_light *area,
-                        const sagi_shading_point *from, sagi_spectrum lambda, sag_vec2 u,
-                        sagi_light_sample *sample) {
-    const sagi_area_group *group = &lights->groups[area->group];
-    const sagi_appearance *appearance = appearance_at(lights, group->appearance);
-    double density = 0, cone = area->radius > 0 ? sagi_ball_cone(area, from->position) : 0;
-    if (cone > 0)
-        sagi_ball_sample(area, from->position, cone, u, &sample->surface);
-    else if (!sag_geometry_sample(group->scene, group->geometry, area->primitive, u, &sample->surface,
-                                  &density))
-        return false;
-    sagi_orient(appearance, &sample->surface);
-    sag_vec3 d = sag_sub(sample->surface.position, from->position);
-    double distance2 = sag_dot(d, d);
-    if (!(distance2 > 0)) return false;
-    sample->wi = sag_scale(d, 1 / sqrt(distance2));
-    double cosine = fabs(sag_dot(sample->wi, sample->surface.geometric_normal));
-    if (!(cosine > 0)) return false;
-    sample->pdf *= cone > 0 ? 1 / (2 * SAGI_RENDER_PI * cone) : density * distance2 / cosine;
-    sample->radiance = sagi_emission(appearance, &sample->surface, sag_neg(sample->wi), lambda);
+static bool sample_area(const sagi_lights *lights, uint32_t area, const sagi_shading_point *from,
+                        sagi_spectrum lambda, sag_vec2 u, sagi_light_sample *sample) {
+    double pdf;
+    if (!sagi_area_sample(&lights->areas, area, from, u, &sample->surface, &sample->wi, &pdf)) return false;
+    sample->pdf *= pdf;
+    sample->radiance = sagi_emission(sagi_area_appearance(&lights->areas, area), &sample->surface,
+                                     sag_neg(sample->wi), lambda);
     sample->target = SAGI_TARGET_SURFACE;
     return isfinite(sample->pdf) && !sagi_spectrum_is_black(sample->radiance);
 }
 
+static sagi_light_view view_of(const sagi_shading_point *from) {
+    return (sagi_light_view){from->position, from->normal, from->reflects_only};
+}
+
+static double far_share(const sagi_lights *lights) {
+    return lights->far_count / (lights->far_count + (lights->tree.node_count > 0 ? 1.0 : 0.0));
+}
+
+bool sagi_lights_choose(const sagi_lights *lights, const sagi_shading_point *from, double *u, uint32_t *index,
+                        double *probability) {
+    if (lights->choice.count > 0) {
+        *index = sagi_alias_sample(&lights->choice, *u, u);
+        *probability = lights->choice.entries[*index].probability;
+        return true;
+    }
+    double far = 0;
+    if (lights->far_count > 0) {
+        far = far_share(lights);
+        if (*u < far) {
+            const double place = *u / far * lights->far_count;
+            const uint32_t i = place < lights->far_count ? (uint32_t)place : lights->far_count - 1;
+            *u = fmin(place - i, SAGI_ONE_MINUS);
+            *index = lights->far[i];
+            *probability = far / lights->far_count;
+            return true;
+        }
+        *u = fmin((*u - far) / (1 - far), SAGI_ONE_MINUS);
+    }
+    const sagi_light_view view = view_of(from);
+    if (!sagi_light_tree_sample(&lights->tree, &view, u, index, probability)) return false;
+    *probability *= 1 - far;
+    return true;
+}
+
+double sagi_lights_choice(const sagi_lights *lights, const sagi_shading_point *from, uint32_t index) {
+    if (lights->choice.count > 0) return lights->choice.entries[index].probability;
+    const double far = lights->far_count > 0 ? far_share(lights) : 0;
+    if (index < lights->light_count && sagi_light_is_far(&lights->lights[index]))
+        return lights->lights[index].chosen ? far / lights->far_count : 0;
+    const sagi_light_view view = view_of(from);
+    return (1 - far) * sagi_light_tree_probability(&lights->tree, &view, index);
+}
+
 bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
                         double choose, sag_vec2 u, sagi_light_sample *sample) {
-    if (lights->choice.count == 0) return false;
-    double rest;
-    uint32_t index = sagi_alias_sample(&lights->choice, choose, &rest);
-    sample->pdf = lights->choice.entries[index].probability;
+    uint32_t index;
+    if (!sagi_lights_choose(lights, from, &choose, &index, &sample->pdf)) return false;
     sample->delta = false;
     if (index < lights->light_count) return sample_light(&lights->lights[index], from, lambda, u, sample);
-    return sample_area(lights, &lights->areas[index - lights->light_count], from, lambda, u, sample);
+    return sample_area(lights, index - lights->light_count, from, lambda, u, sample);
 }
 
 sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
@@ -132,8 +156,8 @@ sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_poin
         const sagi_light *light = &lights->lights[i];
         if (light->light.kind != SAG_LIGHT_INFINITE && light->light.kind != SAG_LIGHT_SKY) continue;
         double weight = 1;
-        if (from && lights->choice.count) {
-            double choice = lights->choice.entries[i].probability;
+        if (from) {
+            double choice = sagi_lights_choice(lights, from, i);
             weight = sagi_surface_weight(lights, surface_pdf, choice * sagi_sky_pdf(light, from, wi));
         }
         sum += sagi_sky_radiance(light, wi, lambda) * (float)weight;
@@ -141,24 +165,10 @@ sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_poin
     return sum;
 }
 
-double sagi_lights_area_pdf(const sagi_lights *lights, sag_vec3 from, sag_vec3 wi, const sag_hit *hit,
-                            const sag_surface *surface) {
-    if (hit->instance_depth > 0 || lights->choice.count == 0) return 0;
-    uint64_t id = surface->user_data;
-    if (id == 0 || id > lights->appearance_count) return 0;
-    uint32_t group_index = lights->group_of[id - 1];
-    if (group_index == SAG_INVALID_ID) return 0;
-    const sagi_area_group *group = &lights->groups[group_index];
-    uint32_t primitive = group->count > 1 ? hit->primitive : 0;
-    if (primitive >= group->count) return 0;
-    const sagi_area_light *area = &lights->areas[group->first + primitive];
-    double choice = lights->choice.entries[lights->light_count + group->first + primitive].probability;
-    double density = area->density, cone = area->radius > 0 ? sagi_ball_cone(area, from) : 0;
-    if (cone > 0) return choice / (2 * SAGI_RENDER_PI * cone);
-    if (!group->flat && choice > 0)
-        density = sag_geometry_density(group->scene, group->geometry, hit->primitive, surface);
-    sag_vec3 d = sag_sub(surface->position, from);
-    double cosine = fabs(sag_dot(wi, surface->geometric_normal));
-    double pdf = choice * density * sag_dot(d, d) / cosine;
-    return isfinite(pdf) ? pdf : 0;
+double sagi_lights_area_pdf(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
+                            const sag_hit *hit, const sag_surface *surface) {
+    const uint32_t area = sagi_area_find(&lights->areas, hit, surface);
+    if (area == SAG_INVALID_ID || !(lights->areas.areas[area].density > 0)) return 0;
+    const double choice = sagi_lights_choice(lights, from, lights->light_count + area);
+    return choice > 0 ? choice * sagi_area_pdf(&lights->areas, area, from, wi, hit, surface) : 0;
 }

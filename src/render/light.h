@@ -4,8 +4,8 @@
 #ifndef SAGI_RENDER_LIGHT_H
 #define SAGI_RENDER_LIGHT_H
 
+#include "area.h"
 #include "distribution.h"
-#include "world.h"
 
 // A light that is not a geometry.
 typedef struct sagi_light {
@@ -14,47 +14,37 @@ typedef struct sagi_light {
     double brightness;         // of the color
     sag_vec3 axis;             // unit; spot: where it looks, distant: where its light comes from
     double cos_cone, cos_full; // spot: of the half angles where light ends and where it is full
+    bool chosen;               // it is at infinity, and not black
     bool placed;               // infinite with a picture: from_world and to_world matter
     sag_affine from_world;     // the inverse of to_world
     sagi_alias texels;         // infinite with a picture: by brightness
 } sagi_light;
 
-// The primitives of one shining geometry: area lights [first, first + count) of sagi_lights.
-typedef struct sagi_area_group {
-    const sag_scene *scene;
-    uint32_t appearance; // index
-    uint32_t geometry;
-    uint32_t first, count;
-    bool flat; // uniform density 1/area on each primitive
-} sagi_area_group;
-
-typedef struct sagi_area_light {
-    uint32_t group, primitive;
-    double density; // flat: 1/area; 0: cannot be sampled
-    double radius;  // > 0: a whole ball, sampled by the cone it fills; see ball.c
-    sag_vec3 center;
-} sagi_area_light;
+// Whether it is at infinity.
+static inline bool sagi_light_is_far(const sagi_light *light) {
+    switch (light->light.kind) {
+    case SAG_LIGHT_POINT:
+    case SAG_LIGHT_SPOT: return false;
+    case SAG_LIGHT_DISTANT:
+    case SAG_LIGHT_INFINITE:
+    case SAG_LIGHT_SKY: break;
+    }
+    return true;
+}
 
 typedef struct sagi_lights {
     const sag_world *world;
     sag_strategy strategy;
+    sag_light_sampler sampler;
     sagi_light *lights; // each of the world's, same order
     uint32_t light_count;
-    sagi_area_group *groups;
-    uint32_t group_count;
-    sagi_area_light *areas;
-    uint32_t area_count;
-    uint32_t *group_of; // by appearance index: its group, or SAG_INVALID_ID
-    uint32_t appearance_count;
-    sagi_alias choice; // of the lights, then the areas
+    sagi_areas areas; // numbered after the lights
+    // To choose by the tree: lights at infinity alike, one share each and one for the tree.
+    sagi_light_tree tree;
+    uint32_t *far;
+    uint32_t far_count;
+    sagi_alias choice; // else: of the lights, then the areas
 } sagi_lights;
-
-// What lights know of the point they shine on.
-typedef struct sagi_shading_point {
-    sag_vec3 position;
-    sag_vec3 normal;    // on the side the path came from
-    bool reflects_only; // light from behind the normal is of no use
-} sagi_shading_point;
 
 typedef enum sagi_light_target { SAGI_TARGET_FAR, SAGI_TARGET_POINT, SAGI_TARGET_SURFACE } sagi_light_target;
 
@@ -80,10 +70,15 @@ bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *fro
 // surface_pdf.
 sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
                               sagi_spectrum lambda, double surface_pdf);
+// Chooses a light: its number, and the probability of it. *u in [0, 1) becomes a number to use again.
+bool sagi_lights_choose(const sagi_lights *lights, const sagi_shading_point *from, double *u, uint32_t *index,
+                        double *probability);
+// The probability with which a light is chosen.
+double sagi_lights_choice(const sagi_lights *lights, const sagi_shading_point *from, uint32_t index);
 // The density with which sagi_lights_sample finds a point of a shining surface, per solid angle seen from
 // `from`.
-double sagi_lights_area_pdf(const sagi_lights *lights, sag_vec3 from, sag_vec3 wi, const sag_hit *hit,
-                            const sag_surface *surface);
+double sagi_lights_area_pdf(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
+                            const sag_hit *hit, const sag_surface *surface);
 // What a surface with this appearance sends to direction wo. The surface is oriented (sagi_orient).
 sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface *surface, sag_vec3 wo,
                             sagi_spectrum lambda);
@@ -92,15 +87,6 @@ sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface
 // use.
 double sagi_surface_weight(const sagi_lights *lights, double surface_pdf, double light_pdf);
 double sagi_light_weight(const sagi_lights *lights, double surface_pdf, const sagi_light_sample *sample);
-
-// Lights that are balls, seen from outside; ball.c. cone: 1 − cos of the half angle, 0 when `from` is not
-// outside.
-double sagi_ball_cone(const sagi_area_light *ball, sag_vec3 from);
-void sagi_ball_sample(const sagi_area_light *ball, sag_vec3 from, double cone, sag_vec2 u,
-                      sag_surface *surface);
-// Whether this primitive of a geometry is a whole ball in the scene's space, and which.
-bool sagi_ball_find(const sag_scene *scene, uint32_t geometry, uint32_t primitive, sag_vec3 *center,
-                    double *radius);
 
 // Radiance of an infinite or sky light, and its density; sky.c.
 sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 wi, sagi_spectrum lambda);

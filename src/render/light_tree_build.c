@@ -4,13 +4,16 @@
 //
 // A part costs what light it may waste (Conty Estévez & Kulla 2018, eq. 2): its intensity times the size of
 // its box times a measure of the directions it shines in,
-//     M = 2π (1 − cos θo) + π/2 (2 θw sin θo − cos(θo − 2 θw) − 2 θo sin θo + cos θo),  θw = min(θo + θe, π).
+//     M = 2π (1 − cos θo) + π/2 (2 θw sin θo − sagi_cos(θo − 2 θw) − 2 θo sin θo + cos θo),  θw = min(θo +
+//     θe, π).
 // The size is the square of the diagonal, not the area: lamps in a row have none. Splits are tried between
 // twelve bins along each axis. There the spread of the axes is not bounded but reckoned from the length of
 // their mean R, which sums can tell: a cone of half angle θo filled evenly has R = (1 + cos θo)/2.
 //
 // Below DEEP levels parts are halved by number, so that no tree is deeper than a trail is long.
 #include "light_tree.h"
+
+#include "math/elementary.h"
 
 #include <string.h>
 
@@ -52,8 +55,9 @@ static double diagonal2(const sag_box3 *box) {
 
 // The cone of directions that holds two cones.
 static void join_cones(sag_vec3 *axis, double *cosine, sag_vec3 b, double cos_b) {
-    const double theta_a = acos(fmin(fmax(*cosine, -1), 1)), theta_b = acos(fmin(fmax(cos_b, -1), 1));
-    const double between = atan2(sag_length(sag_cross(*axis, b)), sag_dot(*axis, b));
+    const double theta_a = sagi_acos(fmin(fmax(*cosine, -1), 1)),
+                 theta_b = sagi_acos(fmin(fmax(cos_b, -1), 1));
+    const double between = sagi_atan2(sag_length(sag_cross(*axis, b)), sag_dot(*axis, b));
     if (fmin(between + theta_b, PI) <= theta_a) return;
     if (fmin(between + theta_a, PI) <= theta_b) {
         *axis = b, *cosine = cos_b;
@@ -66,8 +70,8 @@ static void join_cones(sag_vec3 *axis, double *cosine, sag_vec3 b, double cos_b)
         return;
     }
     const double turn = theta - theta_a;
-    *axis = sag_normalize(sag_madd(sag_scale(*axis, cos(turn)), sin(turn), sag_normalize(across)));
-    *cosine = cos(theta);
+    *axis = sag_normalize(sag_madd(sag_scale(*axis, sagi_cos(turn)), sagi_sin(turn), sag_normalize(across)));
+    *cosine = sagi_cos(theta);
 }
 
 sagi_light_bounds sagi_light_bounds_union(const sagi_light_bounds *a, const sagi_light_bounds *b) {
@@ -85,9 +89,10 @@ sagi_light_bounds sagi_light_bounds_union(const sagi_light_bounds *a, const sagi
 }
 
 static double direction_measure(double cos_normals, double cos_spread) {
-    const double o = acos(fmin(fmax(cos_normals, -1), 1)), e = acos(fmin(fmax(cos_spread, -1), 1));
+    const double o = sagi_acos(fmin(fmax(cos_normals, -1), 1)), e = sagi_acos(fmin(fmax(cos_spread, -1), 1));
     const double w = fmin(o + e, PI);
-    return 2 * PI * (1 - cos(o)) + PI / 2 * (2 * w * sin(o) - cos(o - 2 * w) - 2 * o * sin(o) + cos(o));
+    return 2 * PI * (1 - sagi_cos(o)) +
+           PI / 2 * (2 * w * sagi_sin(o) - sagi_cos(o - 2 * w) - 2 * o * sagi_sin(o) + sagi_cos(o));
 }
 
 static void bin_add(bin *sum, const bin *b) {

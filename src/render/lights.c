@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Preparing the lights of a world: which geometries shine, primitive by primitive, and how likely each is
-// chosen.
+// Preparing the lights of a world, and how one of them is chosen.
 #include "light.h"
 
 #include <string.h>
@@ -53,113 +52,94 @@ static sag_status init_light(sagi_light *light, const sag_light *description, co
     return description->kind == SAG_LIGHT_INFINITE ? sagi_sky_init(light, world->context, error) : SAG_OK;
 }
 
-// How many primitives of a geometry are sampled one by one; the rest are sampled as a whole.
-static uint32_t primitive_count(const sag_scene *scene, uint32_t geometry, bool *flat) {
-    sag_shape_kind kind;
-    const void *shape;
-    *flat = false;
-    if (sag_geometry_get(scene, geometry, &kind, &shape) != SAG_OK) return 0;
-    if (kind == SAG_SHAPE_MESH) {
-        *flat = true;
-        return ((const sag_mesh *)shape)->triangle_count;
+// What the tree is told of a light; intensity 0 for one at infinity.
+static sagi_light_bounds light_bounds(const sagi_light *light) {
+    const sag_vec3 at = light->light.from;
+    sagi_light_bounds bounds = {.box = {at, at}, .axis = {0, 0, 1}, .cos_normals = -1};
+    if (sagi_light_is_far(light)) return bounds;
+    bounds.intensity = light->brightness;
+    if (light->light.kind == SAG_LIGHT_SPOT) {
+        bounds.axis = light->axis;
+        bounds.cos_normals = light->cos_cone;
+        bounds.cos_spread = 0.999; // nothing beyond; some room for rounding
     }
-    if (kind == SAG_SHAPE_SPHERES) return ((const sag_spheres *)shape)->count;
-    *flat = kind == SAG_SHAPE_TRIANGLE || kind == SAG_SHAPE_RECTANGLE || kind == SAG_SHAPE_POLYGON ||
-            kind == SAG_SHAPE_DISK;
-    return kind == SAG_SHAPE_INSTANCE ? 0 : 1;
+    return bounds;
 }
 
-static bool shines(const sagi_appearance *appearance, const sag_world *world) {
-    return appearance->scene == world->scene && appearance->brightness > 0;
-}
-
-// Fills the groups and counts the area lights.
-static sag_status count_areas(sagi_lights *lights, sag_error *error) {
-    const sag_world *world = lights->world;
-    const sagi_appearance *all = world->appearances.items;
-    uint64_t total = 0;
-    for (uint32_t i = 0; i < lights->appearance_count; i++) {
-        lights->group_of[i] = SAG_INVALID_ID;
-        if (!color_is_valid(all[i].look.emission))
-            return sag_error_set(error, SAG_ERROR_ARGUMENT, "geometry %u has a negative or infinite emission",
-                                 all[i].geometry);
-        if (!shines(&all[i], world)) continue;
-        bool flat;
-        uint32_t count = primitive_count(world->scene, all[i].geometry, &flat);
-        if (count == 0) continue;
-        lights->group_of[i] = lights->group_count;
-        lights->groups[lights->group_count++] = (sagi_area_group){.scene = world->scene,
-                                                                  .appearance = i,
-                                                                  .geometry = all[i].geometry,
-                                                                  .first = (uint32_t)total,
-                                                                  .count = count,
-                                                                  .flat = flat};
-        total += count;
-    }
-    if (total + lights->light_count >= SAG_INVALID_ID)
-        return sag_error_set(error, SAG_ERROR_ARGUMENT, "too many shining primitives");
-    lights->area_count = (uint32_t)total;
-    return SAG_OK;
-}
-
-// Writes each area light and its power into weights[].
-static void fill_areas(sagi_lights *lights, double *weights) {
-    const sagi_appearance *all = lights->world->appearances.items;
-    for (uint32_t g = 0; g < lights->group_count; g++) {
-        const sagi_area_group *group = &lights->groups[g];
-        const sag_appearance *look = &all[group->appearance].look;
-        double sides = look->two_sided ? 2 : 1;
-        for (uint32_t i = 0; i < group->count; i++) {
-            double area = sag_geometry_area(group->scene, group->geometry, i);
-            bool usable = area > 0 && isfinite(area) && isfinite(1 / area);
-            sagi_area_light *light = &lights->areas[group->first + i];
-            *light = (sagi_area_light){.group = g, .primitive = i, .density = usable ? 1 / area : 0};
-            if (!sagi_ball_find(group->scene, group->geometry, i, &light->center, &light->radius))
-                light->radius = 0;
-            weights[group->first + i] =
-                usable ? SAGI_RENDER_PI * sides * area * all[group->appearance].brightness : 0;
-        }
-    }
-}
-
-// The power of a light in the scene, or 0 for one at infinity.
-static double light_power(const sagi_light *light) {
+// The power of a light; of those at infinity what arrives in a ball of this radius (pbrt-v4's measure).
+static double light_power(const sagi_light *light, double radius) {
     const double brightness = light->brightness;
-    if (light->light.kind == SAG_LIGHT_POINT) return 4 * SAGI_RENDER_PI * brightness;
-    if (light->light.kind == SAG_LIGHT_SPOT)
+    switch (light->light.kind) {
+    case SAG_LIGHT_POINT: return 4 * SAGI_RENDER_PI * brightness;
+    case SAG_LIGHT_SPOT:
         return 2 * SAGI_RENDER_PI * brightness * (1 - (light->cos_full + light->cos_cone) / 2);
-    return 0;
+    case SAG_LIGHT_DISTANT: return SAGI_RENDER_PI * radius * radius * brightness;
+    case SAG_LIGHT_INFINITE:
+    case SAG_LIGHT_SKY: break;
+    }
+    return sagi_square(2 * SAGI_RENDER_PI * radius) * fmax(brightness, sagi_rgb_mean(light->light.horizon));
 }
 
-static bool at_infinity(const sagi_light *light) {
-    if (!(light->brightness > 0) && sagi_rgb_is_black(light->light.horizon)) return false;
-    return light->light.kind != SAG_LIGHT_POINT && light->light.kind != SAG_LIGHT_SPOT;
+static double scene_radius(const sag_world *world) {
+    const sag_box3 box = sag_scene_bounds(world->scene);
+    const double radius = sag_length(sag_sub(box.max, box.min)) / 2;
+    return radius > 0 && isfinite(radius) ? radius : 1;
 }
 
-static sag_status choose_weights(sagi_lights *lights, sag_error *error) {
+static double area_power(const sagi_areas *areas, uint32_t index) {
+    const double density = areas->areas[index].density;
+    if (!(density > 0)) return 0;
+    const sagi_appearance *appearance = sagi_area_appearance(areas, index);
+    return SAGI_RENDER_PI * (appearance->look.two_sided ? 2 : 1) * appearance->brightness / density;
+}
+
+// One table for all lights, by power or alike.
+static bool make_table(sagi_lights *lights) {
     const sag_context *context = lights->world->context;
-    uint32_t count = lights->light_count + lights->area_count;
-    if (count == 0) return SAG_OK;
-    double *weights = sag_allocate(context, count * sizeof *weights);
-    if (!weights) return no_memory(error);
-    fill_areas(lights, weights + lights->light_count);
-    for (uint32_t i = 0; i < lights->light_count; i++) weights[i] = light_power(&lights->lights[i]);
-    double sum = 0;
-    for (uint32_t i = 0; i < count; i++) sum += weights[i];
-    if (!(sum > 0)) sum = 1;
-    for (uint32_t i = 0; i < lights->light_count; i++)
-        if (at_infinity(&lights->lights[i])) weights[i] = sum;
-    bool made = sagi_alias_init(&lights->choice, context, weights, count);
+    const uint32_t count = lights->light_count + lights->areas.count;
+    double *weights = sag_allocate(context, count * sizeof *weights), sum = 0;
+    if (!weights) return false;
+    const double radius = scene_radius(lights->world);
+    for (uint32_t i = 0; i < count; i++) {
+        weights[i] = i < lights->light_count ? light_power(&lights->lights[i], radius)
+                                             : area_power(&lights->areas, i - lights->light_count);
+        if (!isfinite(weights[i])) weights[i] = 0;
+        if (lights->sampler == SAG_LIGHT_SAMPLER_UNIFORM) weights[i] = weights[i] > 0;
+        sum += weights[i];
+    }
+    const bool made = !(sum > 0) || sagi_alias_init(&lights->choice, context, weights, count);
     sag_release(context, weights, count * sizeof *weights);
-    return made ? SAG_OK : no_memory(error);
+    return made;
+}
+
+static bool make_tree(sagi_lights *lights) {
+    const sag_context *context = lights->world->context;
+    const uint32_t count = lights->light_count + lights->areas.count;
+    if (lights->light_count > 0)
+        lights->far = sag_allocate(context, lights->light_count * sizeof *lights->far);
+    sagi_light_bounds *bounds = sag_allocate(context, count * sizeof *bounds);
+    if (!bounds || (lights->light_count > 0 && !lights->far)) {
+        sag_release(context, bounds, count * sizeof *bounds);
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        bounds[i] = i < lights->light_count ? light_bounds(&lights->lights[i])
+                                            : sagi_area_bounds(&lights->areas, i - lights->light_count);
+    for (uint32_t i = 0; i < lights->light_count; i++) {
+        sagi_light *light = &lights->lights[i];
+        light->chosen = sagi_light_is_far(light) && light_power(light, 1) > 0;
+        if (light->chosen) lights->far[lights->far_count++] = i;
+    }
+    const bool made = sagi_light_tree_init(&lights->tree, context, bounds, count);
+    sag_release(context, bounds, count * sizeof *bounds);
+    return made;
 }
 
 sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_error *error) {
     const sag_context *context = world->context;
-    *lights = (sagi_lights){.world = world,
-                            .strategy = world->settings.strategy,
-                            .appearance_count = (uint32_t)world->appearances.count};
-    size_t light_count = world->lights.count, appearance_count = world->appearances.count;
+    *lights = (sagi_lights){
+        .world = world, .strategy = world->settings.strategy, .sampler = world->settings.light_sampler};
+    size_t light_count = world->lights.count;
     if (light_count) {
         lights->lights = sag_allocate(context, light_count * sizeof *lights->lights);
         if (!lights->lights) return no_memory(error);
@@ -171,28 +151,23 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
         sag_status status = init_light(&lights->lights[i], description, world, i + 1, error);
         if (status != SAG_OK) return status;
     }
-    if (appearance_count) {
-        lights->groups = sag_allocate(context, appearance_count * sizeof *lights->groups);
-        lights->group_of = sag_allocate(context, appearance_count * sizeof *lights->group_of);
-        if (!lights->groups || !lights->group_of) return no_memory(error);
-        sag_status status = count_areas(lights, error);
-        if (status != SAG_OK) return status;
-    }
-    if (lights->area_count) {
-        lights->areas = sag_allocate(context, lights->area_count * sizeof *lights->areas);
-        if (!lights->areas) return no_memory(error);
-    }
-    return choose_weights(lights, error);
+    const sag_status status = sagi_areas_init(&lights->areas, world, error);
+    if (status != SAG_OK) return status;
+    if (light_count + lights->areas.count == 0) return SAG_OK;
+    if (light_count + lights->areas.count >= SAGI_LIGHT_LEAF)
+        return sag_error_set(error, SAG_ERROR_ARGUMENT, "too many lights");
+    const bool tree = lights->sampler == SAG_LIGHT_SAMPLER_BVH;
+    return (tree ? make_tree(lights) : make_table(lights)) ? SAG_OK : no_memory(error);
 }
 
 void sagi_lights_clear(sagi_lights *lights) {
     if (!lights->world) return;
     const sag_context *context = lights->world->context;
     for (uint32_t i = 0; i < lights->light_count; i++) sagi_alias_clear(&lights->lights[i].texels, context);
+    sag_release(context, lights->far, lights->light_count * sizeof *lights->far);
     sag_release(context, lights->lights, lights->light_count * sizeof *lights->lights);
-    sag_release(context, lights->groups, lights->appearance_count * sizeof *lights->groups);
-    sag_release(context, lights->group_of, lights->appearance_count * sizeof *lights->group_of);
-    if (lights->areas) sag_release(context, lights->areas, lights->area_count * sizeof *lights->areas);
+    sagi_areas_clear(&lights->areas);
+    sagi_light_tree_clear(&lights->tree, context);
     sagi_alias_clear(&lights->choice, context);
     *lights = (sagi_lights){0};
 }

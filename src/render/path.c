@@ -19,7 +19,7 @@ static void add_emission(const sagi_lights *lights, sagi_path *p, sag_vec3 wo, c
     sagi_spectrum emission = sagi_emission(m->appearance, &m->surface, wo, p->wavelengths.lambda);
     if (sagi_spectrum_is_black(emission)) return;
     if (!p->exact) {
-        double pdf = sagi_lights_area_pdf(lights, p->from.position, sag_neg(wo), m->hit, &m->surface);
+        double pdf = sagi_lights_area_pdf(lights, &p->from, sag_neg(wo), m->hit, &m->surface);
         emission *= (float)sagi_surface_weight(lights, p->surface_pdf, pdf);
     }
     add(p, emission);

@@ -17,16 +17,15 @@
 // 1) is C, and (0, 0) and (1, 0) are B.
 #include "spherical.h"
 
+#include "math/elementary.h"
 #include "math/map.h"
+#include "warp.h"
 
 #define LEAST_COSINE 0.01
-#define ONE_MINUS    0x1.fffffffffffffp-1
-
-static double clamp(double x, double low, double high) { return x > low ? (x < high ? x : high) : low; }
 
 static double area(sag_vec3 a, sag_vec3 b, sag_vec3 c) {
     const double volume = fabs(sag_dot(a, sag_cross(b, c)));
-    return 2 * atan2(volume, 1 + sag_dot(a, b) + sag_dot(b, c) + sag_dot(c, a));
+    return 2 * sagi_atan2(volume, 1 + sag_dot(a, b) + sag_dot(b, c) + sag_dot(c, a));
 }
 
 static double receive(sag_vec3 normal, bool front_only, sag_vec3 d) {
@@ -38,7 +37,7 @@ static void make(sagi_spherical_triangle *t, sag_vec3 a, sag_vec3 b, sag_vec3 c)
     t->a = a, t->b = b, t->c = c;
     t->ab = sag_dot(a, b), t->bc = sag_dot(b, c), t->ca = sag_dot(c, a);
     t->determinant = fabs(sag_dot(a, sag_cross(b, c)));
-    t->solid_angle = 2 * atan2(t->determinant, 1 + t->ab + t->bc + t->ca);
+    t->solid_angle = 2 * sagi_atan2(t->determinant, 1 + t->ab + t->bc + t->ca);
     if (!(t->determinant > 0)) t->solid_angle = 0; // also when it is not finite
 }
 
@@ -60,22 +59,10 @@ void sagi_facet_see(const sagi_facet *facet, sag_vec3 from, sag_vec3 normal, boo
         w[0] = w[1] = facing ? receive(normal, front_only, t->b) : 1;
         w[2] = facing ? receive(normal, front_only, t->a) : 1;
         w[3] = facing ? receive(normal, front_only, t->c) : 1;
-        const double scale = 4 / (w[0] + w[1] + w[2] + w[3]); // to the mean 1
-        for (int k = 0; k < 4; k++) w[k] *= scale;
-        share[i] = t->solid_angle / scale;
+        share[i] = t->solid_angle * (w[0] + w[1] + w[2] + w[3]);
         view->solid_angle += t->solid_angle;
     }
     view->first = view->solid_angle > 0 ? share[0] / (share[0] + share[1]) : 1;
-}
-
-// Density a at 0 and b at 1, linear between: where the distribution function is u (a + b) / 2.
-static double sample_linear(double u, double a, double b) {
-    if (a == b) return u;
-    return fmin(u * (a + b) / (a + sqrt(a * a + u * (b * b - a * a))), ONE_MINUS);
-}
-
-static double bilinear(const double w[4], sag_vec2 p) {
-    return (1 - p.y) * ((1 - p.x) * w[0] + p.x * w[1]) + p.y * ((1 - p.x) * w[2] + p.x * w[3]);
 }
 
 // The point of the arc from a to the unit vector b at which a·p = z.
@@ -90,7 +77,8 @@ static sag_vec3 sample_triangle(const sagi_spherical_triangle *t, sag_vec2 u) {
     // T, G and B·T times |C − (A·C) A|
     const sag_vec3 across = sag_madd(t->c, -t->ca, t->a);
     const double length2 = sag_dot(across, across), length = sqrt(length2);
-    const double half = u.x * t->solid_angle / 2, s = sin(half), c = cos(half);
+    double s, c;
+    sagi_sincos(u.x * t->solid_angle / 2, &s, &c);
     const double up = s * (1 + t->ab) * length, down = c * t->determinant - s * (t->bc - t->ca * t->ab);
     const double norm = up * up + down * down;
     sag_vec3 far = t->a;
@@ -107,7 +95,7 @@ static sag_vec2 invert_triangle(const sagi_spherical_triangle *t, sag_vec3 wi) {
     if (sag_dot(far, sag_add(t->a, t->c)) < 0) far = sag_neg(far);
     const double x = area(t->a, t->b, far) / t->solid_angle;
     const double y = (1 - sag_dot(t->b, wi)) / (1 - sag_dot(t->b, far));
-    return (sag_vec2){clamp(x, 0, 1), clamp(y, 0, 1)};
+    return (sag_vec2){sagi_clamp(x, 0, 1), sagi_clamp(y, 0, 1)};
 }
 
 sag_vec3 sagi_facet_sample(const sagi_facet_view *view, sag_vec2 u, double *pdf) {
@@ -115,17 +103,15 @@ sag_vec3 sagi_facet_sample(const sagi_facet_view *view, sag_vec2 u, double *pdf)
     const sagi_spherical_triangle *t = &view->parts[0];
     if (view->count == 2) {
         if (u.x < share) {
-            u.x = fmin(u.x / share, ONE_MINUS);
+            u.x = fmin(u.x / share, SAGI_ONE_MINUS);
         } else {
-            u.x = fmin((u.x - share) / (1 - share), ONE_MINUS);
+            u.x = fmin((u.x - share) / (1 - share), SAGI_ONE_MINUS);
             share = 1 - share;
             t = &view->parts[1];
         }
     }
-    const double *w = t->weights;
-    u.y = sample_linear(u.y, w[0] + w[1], w[2] + w[3]);
-    u.x = sample_linear(u.x, (1 - u.y) * w[0] + u.y * w[2], (1 - u.y) * w[1] + u.y * w[3]);
-    *pdf = share * bilinear(w, u) / t->solid_angle;
+    u = sagi_warp_bilinear(t->weights, u);
+    *pdf = share * sagi_warp_bilinear_pdf(t->weights, u) / t->solid_angle;
     return sample_triangle(t, u);
 }
 
@@ -139,7 +125,7 @@ double sagi_facet_pdf(const sagi_facet_view *view, sag_vec3 wi) {
             t = &view->parts[1];
         }
     }
-    return share * bilinear(t->weights, invert_triangle(t, wi)) / t->solid_angle;
+    return share * sagi_warp_bilinear_pdf(t->weights, invert_triangle(t, wi)) / t->solid_angle;
 }
 
 void sagi_facet_meet(const sagi_facet *facet, sag_vec3 from, sag_vec3 wi, double *u, double *v, double *t) {
@@ -147,8 +133,8 @@ void sagi_facet_meet(const sagi_facet *facet, sag_vec3 from, sag_vec3 wi, double
     *t = sag_dot(normal, p) / sag_dot(normal, wi);
     const sag_vec3 q = sag_sub(sag_scale(wi, *t), p);
     const double scale = 1 / sag_dot(normal, normal);
-    *u = clamp(sag_dot(normal, sag_cross(q, facet->f)) * scale, 0, 1);
-    *v = clamp(sag_dot(normal, sag_cross(facet->e, q)) * scale, 0, 1);
+    *u = sagi_clamp(sag_dot(normal, sag_cross(q, facet->f)) * scale, 0, 1);
+    *v = sagi_clamp(sag_dot(normal, sag_cross(facet->e, q)) * scale, 0, 1);
     const double sum = *u + *v;
     if (!facet->parallelogram && sum > 1) *u /= sum, *v /= sum;
 }

@@ -28,6 +28,23 @@ sag_vec3 sagi_warp_sphere(sag_vec2 u) {
     return sag_vec3_make(r * cos(phi), r * sin(phi), z);
 }
 
+// Density a at 0 and b at 1, linear between: where the distribution function is u (a + b)/2.
+static double sample_linear(double u, double a, double b) {
+    if (a == b) return u;
+    return fmin(u * (a + b) / (a + sqrt(a * a + u * (b * b - a * a))), SAGI_ONE_MINUS);
+}
+
+sag_vec2 sagi_warp_bilinear(const double w[4], sag_vec2 u) {
+    u.y = sample_linear(u.y, w[0] + w[1], w[2] + w[3]);
+    u.x = sample_linear(u.x, (1 - u.y) * w[0] + u.y * w[2], (1 - u.y) * w[1] + u.y * w[3]);
+    return u;
+}
+
+double sagi_warp_bilinear_pdf(const double w[4], sag_vec2 p) {
+    const double here = (1 - p.y) * ((1 - p.x) * w[0] + p.x * w[1]) + p.y * ((1 - p.x) * w[2] + p.x * w[3]);
+    return 4 * here / (w[0] + w[1] + w[2] + w[3]);
+}
+
 double sagi_warp_tent(double u, double radius) {
     // Each half's distribution function is a parabola: 1 − (1 − |x|)².
     return u < 0.5 ? radius * (sqrt(2 * u) - 1) : radius * (1 - sqrt(2 * (1 - u)));

@@ -106,3 +106,23 @@ sagi_primitive_state sagi_primitive_box(const sagi_snapshot *snapshot, uint32_t 
     *box = *part;
     return SAGI_PRIMITIVE_GOOD;
 }
+
+sag_box3 sag_geometry_bounds(const sag_scene *scene, uint32_t geometry, uint32_t primitive) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    sag_box3 box = sag_box3_empty();
+    if (s == NULL || geometry >= s->count || !s->entries[geometry].present) return box;
+    const sagi_item *item = &s->items[geometry];
+    if (s->entries[geometry].child == NULL &&
+        primitive >= sagi_shape_primitive_count((sag_shape_kind)item->kind, item->shape) &&
+        (item->kind == SAG_SHAPE_MESH || item->kind == SAG_SHAPE_SPHERES || item->kind == SAG_SHAPE_USER))
+        return box;
+    switch (sagi_own_box(s, geometry, primitive, &box)) {
+    case SAGI_PRIMITIVE_GOOD: return box;
+    case SAGI_PRIMITIVE_UNBOUNDED:
+        return (sag_box3){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    case SAGI_PRIMITIVE_NOT_FINITE:
+    case SAGI_PRIMITIVE_DEGENERATE:
+    case SAGI_PRIMITIVE_EMPTY: break;
+    }
+    return sag_box3_empty();
+}

@@ -229,6 +229,13 @@ static void samples_within_instances(void **state) {
         assert_int_equal(sag_scene_geometry_count(n.scenes[1]), 1);
         assert_true(sag_geometry_sample(n.scenes[0], 0, 0, rng_vec2(&r), &sample, &density));
         const sag_surface inner = sample;
+        const sag_box3 box = sag_geometry_bounds(n.scenes[0], 0, 0),
+                       all = sag_geometry_bounds(n.scenes[1], 0, 0),
+                       none = sag_geometry_bounds(n.scenes[1], 7, 0);
+        assert_true(sag_box3_is_empty(&none) && !sag_box3_is_empty(&all));
+        const sag_box3 with = sag_box3_extend(box, sample.position);
+        if (n.scenes[0] && sag_geometry_area(n.scenes[0], 0, 1) == sag_geometry_area(n.scenes[0], 0, 0))
+            assert_memory_equal(&with, &box, sizeof box); // (one primitive, not a triangle of a mesh)
         sag_instance_map_surface(n.scenes[2], 7, &sample);
         assert_memory_equal(&sample, &inner, sizeof sample);
         sag_instance_map_surface(n.scenes[1], 0, &sample);

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// The sums S(x, y) over all that is left of x and above y are known at the corners of the cells and bilinear
+// between; the integral over a window is S at its four corners. For a given window the share left of x is
+// linear in each column, so x is found by halving the columns and solving within one; then y in the same way
+// within that column, where the density does not depend on x.
+#include "window.h"
+
+#include <string.h>
+
+bool sagi_window_table_init(sagi_window_table *table, const sag_context *context, const double *weights,
+                            uint32_t width, uint32_t height) {
+    *table = (sagi_window_table){0, 0, NULL};
+    const size_t stride = (size_t)width + 1, count = stride * ((size_t)height + 1);
+    table->sums = sag_allocate(context, count * sizeof *table->sums);
+    if (!table->sums) return false;
+    table->width = width, table->height = height;
+    const double area = 1.0 / width / height;
+    memset(table->sums, 0, stride * sizeof *table->sums);
+    for (uint32_t y = 0; y < height; y++) {
+        const double *above = table->sums + y * stride;
+        double *row = table->sums + (y + 1) * stride, sum = 0;
+        row[0] = 0;
+        for (uint32_t x = 0; x < width; x++) {
+            sum += weights[(size_t)y * width + x] * area;
+            row[x + 1] = above[x + 1] + sum;
+        }
+    }
+    return true;
+}
+
+void sagi_window_table_clear(sagi_window_table *table, const sag_context *context) {
+    const size_t count = ((size_t)table->width + 1) * ((size_t)table->height + 1);
+    if (table->sums) sag_release(context, table->sums, count * sizeof *table->sums);
+    *table = (sagi_window_table){0, 0, NULL};
+}
+
+// S, x and y in cells.
+static double sum_at(const sagi_window_table *t, double x, double y) {
+    const uint32_t i = x < t->width ? (uint32_t)x : t->width - 1,
+                   j = y < t->height ? (uint32_t)y : t->height - 1;
+    const double dx = x - i, dy = y - j;
+    const double *p = t->sums + (size_t)j * (t->width + 1) + i, *q = p + t->width + 1;
+    return (1 - dy) * ((1 - dx) * p[0] + dx * p[1]) + dy * ((1 - dx) * q[0] + dx * q[1]);
+}
+
+static double integral(const sagi_window_table *t, double x0, double y0, double x1, double y1) {
+    return fmax(0, (sum_at(t, x1, y1) - sum_at(t, x0, y1)) + (sum_at(t, x0, y0) - sum_at(t, x1, y0)));
+}
+
+double sagi_window_integral(const sagi_window_table *t, const sagi_window *w) {
+    return integral(t, w->low.x * t->width, w->low.y * t->height, w->high.x * t->width,
+                    w->high.y * t->height);
+}
+
+// Part of a window, for one axis: what is before `at`, in cells.
+typedef struct slice {
+    const sagi_window_table *table;
+    double x0, y0, x1, y1;
+    bool along_y;
+} slice;
+static double before(const slice *s, double at) {
+    return s->along_y ? integral(s->table, s->x0, s->y0, s->x1, at)
+                      : integral(s->table, s->x0, s->y0, at, s->y1);
+}
+
+// Where the share u of the slice is; *cell is the cell it lies in.
+static double find(const slice *s, double u, double low, double high, uint32_t *cell) {
+    const double target = u * before(s, high);
+    uint32_t first = (uint32_t)low, last = (uint32_t)ceil(high) - 1; // cells
+    while (first < last) {
+        const uint32_t middle = first + (last - first) / 2; // its end is within the window
+        if (before(s, middle + 1.0) > target)
+            last = middle;
+        else
+            first = middle + 1;
+    }
+    const double start = fmax(low, first), end = fmin(high, first + 1.0);
+    const double a = before(s, start), b = before(s, end);
+    *cell = first;
+    const double share = (target - a) / (b - a);
+    return start + (end - start) * (share > 0 ? fmin(share, 1) : 0);
+}
+
+bool sagi_window_sample(const sagi_window_table *t, const sagi_window *w, sag_vec2 u, sag_vec2 *p) {
+    const double x0 = w->low.x * t->width, x1 = w->high.x * t->width, y0 = w->low.y * t->height,
+                 y1 = w->high.y * t->height;
+    if (!(integral(t, x0, y0, x1, y1) > 0)) return false;
+    uint32_t column, row;
+    const slice across = {t, x0, y0, x1, y1, false};
+    const double x = find(&across, u.x, x0, x1, &column);
+    const slice down = {t, column, y0, column + 1.0, y1, true};
+    if (!(before(&down, y1) > 0)) return false;
+    const double y = find(&down, u.y, y0, y1, &row);
+    *p = (sag_vec2){x / t->width, y / t->height};
+    return true;
+}
+
+double sagi_window_pdf(const sagi_window_table *t, const sagi_window *w, sag_vec2 p) {
+    if (!(p.x >= w->low.x && p.x <= w->high.x && p.y >= w->low.y && p.y <= w->high.y)) return 0;
+    const double all = sagi_window_integral(t, w);
+    const double x = fmin(floor(p.x * t->width), t->width - 1.0),
+                 y = fmin(floor(p.y * t->height), t->height - 1.0);
+    const double here = integral(t, x, y, x + 1, y + 1) * t->width * t->height;
+    return all > 0 ? here / all : 0;
+}
