@@ -57,8 +57,8 @@ static bool see(const sagi_area_group *group, uint32_t primitive, const sagi_sha
     return view->solid_angle >= LEAST_SOLID_ANGLE && view->solid_angle <= MOST_SOLID_ANGLE;
 }
 
-// The area element at the corners (0, 0), (1, 0), (0, 1), (1, 1) of a patch, or, at[] given, at that one.
-static void patch_elements(const sagi_area_group *group, const sag_vec2 *at, double elements[4]) {
+// The area element at the corners (0, 0), (1, 0), (0, 1), (1, 1) of a patch, or, `at` given, at that one.
+static void patch_elements(const sagi_area_group *group, const sag_vec2 *at, double *elements) {
     const sag_bilinear_patch *p = group->shape;
     sag_vec3 u_edge = sag_sub(p->p10, p->p00), v_edge = sag_sub(p->p01, p->p00);
     sag_vec3 twist = sag_sub(sag_sub(p->p11, p->p10), v_edge);
@@ -71,6 +71,17 @@ static void patch_elements(const sagi_area_group *group, const sag_vec2 *at, dou
         const sag_vec2 uv = at ? *at : (sag_vec2){i & 1, i >> 1};
         elements[i] = sag_length(sag_cross(sag_madd(u_edge, uv.y, twist), sag_madd(v_edge, uv.x, twist)));
     }
+}
+
+double sagi_area_of_patch(const sagi_area_group *group) {
+    double sum = 0;
+    for (int i = 0; i < 256; i++) {
+        double element;
+        const sag_vec2 at = {(i % 16 + 0.5) / 16, (i / 16 + 0.5) / 16};
+        patch_elements(group, &at, &element);
+        sum += element / 256;
+    }
+    return sum;
 }
 
 // The density by area with which the point uv of a patch is found.

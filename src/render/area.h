@@ -86,6 +86,7 @@ double sagi_area_pdf(const sagi_areas *areas, uint32_t index, const sagi_shading
 // scene; a surface brought from there to the world's space; the corners of a facet in it.
 double sagi_area_enlargement(const sagi_area_group *group, sag_vec3 normal);
 void sagi_area_map_outward(const sagi_areas *areas, const sagi_area_group *group, sag_surface *surface);
+double sagi_area_of_patch(const sagi_area_group *group); // (within about 1e-3)
 void sagi_area_facet(const sagi_areas *areas, uint32_t index, sagi_facet *facet);
 
 static inline const sagi_area_group *sagi_area_group_of(const sagi_areas *areas, uint32_t index) {

@@ -213,6 +213,10 @@ uint32_t sagi_area_find(const sagi_areas *areas, const sag_hit *hit, const sag_s
 // about.)
 static double world_area(const sagi_areas *areas, const sagi_area_group *group, uint32_t index) {
     const uint32_t primitive = index - group->first;
+    if (group->kind == SAGI_AREA_PATCH) {
+        const sag_box3 box = sag_geometry_bounds(group->scene, group->geometry, 0);
+        return sag_box3_is_empty(&box) ? 0 : sagi_area_of_patch(group);
+    }
     const double area = sag_geometry_area(group->scene, group->geometry, primitive);
     if (group->depth == 0 || !(area > 0)) return area;
     if (group->kind == SAGI_AREA_FACET) {

@@ -101,9 +101,10 @@ static double receive(const sagi_shading_point *from, sag_vec3 wi) {
     return from->reflects_only ? fmax(0, cosine) : fabs(cosine);
 }
 
-static double red(const sagi_light_sample *sample) { return sample->radiance.r; }
-static double red_of(const sagi_appearance *look, const sag_surface *at, sag_vec3 wo) {
-    return sagi_emission(look, at, wo).r;
+static const sagi_spectrum green = {540, 540, 540, 540};
+static double radiance_in(const sagi_light_sample *sample) { return sample->radiance[0]; }
+static double radiance_of(const sagi_appearance *look, const sag_surface *at, sag_vec3 wo) {
+    return sagi_emission(look, at, wo, green)[0];
 }
 
 static void check(const scenery *w, rng *r, const sagi_shading_point *from, int which, int depth) {
@@ -114,7 +115,7 @@ static void check(const scenery *w, rng *r, const sagi_shading_point *from, int 
     for (int i = 0; i < SAMPLES; i++) {
         sagi_light_sample sample;
         double x = 0;
-        if (sagi_lights_sample(&w->lights, from, rng_unit(r), rng_vec2(r), &sample)) {
+        if (sagi_lights_sample(&w->lights, from, green, rng_unit(r), rng_vec2(r), &sample)) {
             assert_true(sample.pdf > 0 && fabs(sag_dot(sample.wi, sample.wi) - 1) < 1e-9);
             sag_ray ray = sag_ray_make(from->position, sample.wi);
             sag_hit hit;
@@ -123,7 +124,7 @@ static void check(const scenery *w, rng *r, const sagi_shading_point *from, int 
                 sag_surface_at(scene, &ray, &hit, &at);
                 const double distance = sag_length(sag_sub(sample.surface.position, from->position));
                 if (fabs(hit.t / distance - 1) < 1e-6) { // nothing before it
-                    x = red(&sample) * receive(from, sample.wi) / sample.pdf;
+                    x = radiance_in(&sample) * receive(from, sample.wi) / sample.pdf;
                     const double pdf = sagi_lights_area_pdf(&w->lights, from, sample.wi, &hit, &at);
                     compared++;
                     differing += !(fabs(pdf / sample.pdf - 1) < 1e-3); // (at rims the cosine is sensitive)
@@ -142,7 +143,7 @@ static void check(const scenery *w, rng *r, const sagi_shading_point *from, int 
             sag_surface_at(scene, &ray, &hit, &at);
             const sagi_appearance *look = sagi_appearance_of(w->s.world, &at);
             sagi_orient(look, &at);
-            x = red_of(look, &at, sag_neg(wi)) * receive(from, wi) * 4 * PI;
+            x = radiance_of(look, &at, sag_neg(wi)) * receive(from, wi) * 4 * PI;
             // What rays find can be sampled.
             if (x > 0) assert_true(sagi_lights_area_pdf(&w->lights, from, wi, &hit, &at) > 0);
         }
@@ -167,7 +168,7 @@ static void samples_are_what_rays_find(void **state) {
             scenery w;
             const sag_light_sampler sampler = (sag_light_sampler)rng_below(&r, 3);
             make_scenery(&w, &r, which, depth, sampler, rng_one_in(&r, 2));
-            for (int k = 0; k < 2; k++) {
+            for (int k = depth > 0; k < 2; k++) {
                 const sagi_shading_point from = {.position = rng_vec3(&r, 3),
                                                  .normal = rng_direction(&r),
                                                  .reflects_only = rng_one_in(&r, 2)};
