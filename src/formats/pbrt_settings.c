@@ -228,6 +228,20 @@ sag_status sagi_pbrt_pixel_filter(sagi_pbrt *p, sagi_place place) {
     return sagi_pbrt_parameters_done(p);
 }
 
+// The parameter "lightsampler". pbrt's "exhaustive" weighs all lamps one by one: the tree has the same mean.
+static void light_sampler(sagi_pbrt *p, sagi_place place) {
+    static const char *const names[] = {"bvh", "power", "uniform"};
+    char text[64];
+    sagi_params_string(&p->params, "lightsampler", "bvh", text, sizeof text);
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, names[i]) != 0) continue;
+        sag_world_settings(p->world)->light_sampler = (sag_light_sampler)i;
+        return;
+    }
+    sagi_pbrt_warn_once(p, place, "lightsampler",
+                        "Integrator: the light sampler \"%s\" is taken to be \"bvh\"", text);
+}
+
 sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     char name[64];
     const sag_status status = read_named(p, place, "Integrator", name, sizeof name);
@@ -260,7 +274,7 @@ sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     if (depth < 0) return sagi_params_fail(&p->params, NULL, "maxdepth %d", depth);
     settings->max_depth = (uint32_t)depth;
     settings->regularize = sagi_params_bool(&p->params, "regularize", false);
-    sagi_pbrt_ignore(p, "lightsampler", NULL);
+    light_sampler(p, place);
     sagi_pbrt_ignore(p, "rrthreshold", NULL);
     return sagi_pbrt_parameters_done(p);
 }
