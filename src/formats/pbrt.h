@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The reader of pbrt-v4 scenes, in the order a scene goes through it: pbrt_text (tokens, parameters),
 // pbrt_load (files, directives), pbrt_blocks (blocks, transforms), pbrt_settings (camera, film …),
-// pbrt_texture, pbrt_material, pbrt_light, pbrt_shape and pbrt_mesh, pbrt_later (meshes on all threads),
-// pbrt_object (objects and their instances), pbrt_solid.
+// pbrt_texture, pbrt_material, pbrt_light, pbrt_shape, loop_subdivision and pbrt_mesh, pbrt_later (meshes on
+// all threads), pbrt_object (objects and their instances), pbrt_solid.
 #ifndef SAGI_FORMATS_PBRT_H
 #define SAGI_FORMATS_PBRT_H
 

@@ -4,6 +4,7 @@
 // there. A vertex that is no number stays: the scene drops its triangles and counts them.
 #include "formats/pbrt_shape.h"
 
+#include "formats/loop_subdivision.h"
 #include "formats/pbrt_later.h"
 
 #include <math.h>
@@ -46,6 +47,15 @@ static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *na
     const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, area, &p->state.ctm);
     sagi_mesh_data_clear(data);
     return status;
+}
+
+// The same for a mesh that has no file of its own: its name is the place.
+static sag_status finish_text_mesh(sagi_pbrt *p, sagi_mesh_data *data) {
+    char name[SAGI_MAX_PATH + 32];
+    int line = 0, column;
+    if (p->options->on_mesh) sagi_place_find(p->params.place, &line, &column); // counts all lines before
+    snprintf(name, sizeof name, "%s:%d", p->params.place.source->path, line);
+    return finish_mesh(p, data, name);
 }
 
 sag_status sagi_pbrt_plymesh(sagi_pbrt *p) {
@@ -142,17 +152,44 @@ sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p) {
         sagi_mesh_data_clear(&data);
         return status;
     }
-    char name[SAGI_MAX_PATH + 32];
-    int line = 0, column;
-    if (p->options->on_mesh) sagi_place_find(p->params.place, &line, &column); // counts all lines before
-    snprintf(name, sizeof name, "%s:%d", p->params.place.source->path, line);
-    return finish_mesh(p, &data, name);
+    return finish_text_mesh(p, &data);
+}
+
+// Levels of subdivision, few enough that the triangles can be counted and held.
+static sag_status read_levels(sagi_pbrt *p, uint32_t triangle_count, uint32_t *levels) {
+    const int32_t wanted = sagi_params_integer(&p->params, "levels", 3);
+    const sagi_param *given = sagi_params_find(&p->params, "levels", ~0u);
+    if (p->params.status != SAG_OK) return p->params.status;
+    if (wanted < 0) return sagi_params_fail(&p->params, given, "levels %d: it must not be negative", wanted);
+    uint64_t triangles = triangle_count;
+    for (int32_t i = 0; i < wanted && triangles <= SAGI_MAX_SUBDIVIDED_TRIANGLES; i++) triangles *= 4;
+    if (triangles > SAGI_MAX_SUBDIVIDED_TRIANGLES)
+        return sagi_params_fail(&p->params, given,
+                                "%d levels make more than %llu triangles of the %u there are", wanted,
+                                (unsigned long long)SAGI_MAX_SUBDIVIDED_TRIANGLES, triangle_count);
+    *levels = (uint32_t)wanted;
+    return SAG_OK;
 }
 
 sag_status sagi_pbrt_loopsubdiv(sagi_pbrt *p) {
-    sagi_pbrt_warn_once(p, p->params.place, "loopsubdiv", "Shape \"loopsubdiv\": the mesh is not subdivided");
-    sagi_pbrt_ignore(p, "levels", NULL), sagi_pbrt_ignore(p, "scheme", NULL);
-    return sagi_pbrt_trianglemesh(p);
+    sagi_mesh_data cage = {.context = p->context}, mesh = cage;
+    uint32_t levels = 0, borders = 0;
+    sag_status status = sagi_pbrt_read_triangles(p, &cage);
+    if (status == SAG_OK) status = read_levels(p, cage.triangle_count, &levels);
+    sagi_pbrt_ignore(p, "scheme", NULL); // pbrt has one
+    if (status == SAG_OK && (cage.normals || cage.texcoords))
+        sagi_pbrt_warn_once(p, p->params.place, "loopsubdiv", "%s: its \"N\" and \"uv\" are not used",
+                            p->params.what);
+    if (status == SAG_OK && !sagi_loop_subdivide(&cage, levels, &mesh, &borders))
+        status = sagi_pbrt_out_of_memory(p);
+    sagi_mesh_data_clear(&cage);
+    if (status != SAG_OK) return status;
+    if (borders)
+        sagi_pbrt_warn(p, p->params.place,
+                       "%s: %u edges of more than two triangles, or of two that are turned differently, are "
+                       "taken for borders",
+                       p->params.what, borders);
+    return finish_text_mesh(p, &mesh);
 }
 
 sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p) {
