@@ -35,7 +35,7 @@ typedef enum sag_encoding {
     SAG_ENCODING_LINEAR,
 } sag_encoding;
 
-/// Reads PNG, JPEG, TGA, BMP, HDR (Radiance), EXR or PFM; the kind is told by the content, not the name.
+/// Reads PNG, JPEG, TGA, BMP, QOI, HDR (Radiance), EXR or PFM; the kind is told by the content, not the name.
 /// Alpha is kept, and always linear. EXR: the channels R G B and A, or Y, or the first; of the first part. A
 /// file that ends too soon is an error, never a picture with a grey end. Threads: any
 /// (tests/render/test_images.c). Errors: SAG_ERROR_IO with the path, SAG_ERROR_FORMAT for damaged or foreign

@@ -146,7 +146,7 @@ static sag_status read_part(const reader *r, sag_image *image, sag_error *error)
                   height = (int64_t)window.max.y - window.min.y + 1;
     sag_status status =
         sagi_image_create_for(r->source, width < 1 ? 0 : (uint64_t)width, height < 1 ? 0 : (uint64_t)height,
-                              s.count, 8 * 1032, "EXR", image, error);
+                              s.count, 32, 8 * 1032, "EXR", image, error);
     if (status != SAG_OK) return status;
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
     code = storage == EXR_STORAGE_TILED ? read_tiles(r, &s, &pipeline, image)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pictures: making them, telling which format a file is, sRGB. The formats themselves are in png.c, jpeg.c,
-// exr.c, pfm.c and stb.c.
+// exr.c, pfm.c, qoi.c and stb.c.
 //
 // sRGB (IEC 61966-2-1): linear below 0.0031308, a power of 2.4 above, meeting (nearly) at 0.04045.
 #include "formats/image.h"
@@ -53,8 +53,20 @@ sag_status sagi_image_damaged(const sagi_image_source *source, sag_error *error,
     return sag_error_set_at(error, SAG_ERROR_FORMAT, source->path, 0, 0, "damaged %s file: %s", format, what);
 }
 
+static sag_status keep_bytes(const sagi_image_source *source, uint32_t width, uint32_t height,
+                             uint32_t channels, sag_image *image, sag_error *error) {
+    sagi_image_bytes *kept = source->kept;
+    kept->size = (size_t)width * height * channels;
+    kept->bytes = sag_allocate(source->context, kept->size);
+    if (!kept->bytes)
+        return sag_error_set_at(error, SAG_ERROR_MEMORY, source->path, 0, 0,
+                                "out of memory for an image of %u×%u", width, height);
+    *image = (sag_image){width, height, channels, NULL};
+    return SAG_OK;
+}
+
 sag_status sagi_image_create_for(const sagi_image_source *source, uint64_t width, uint64_t height,
-                                 uint32_t channels, uint64_t most_per_byte, const char *format,
+                                 uint32_t channels, int bits, uint64_t most_per_byte, const char *format,
                                  sag_image *image, sag_error *error) {
     if (width == 0 || height == 0 || width > SAG_MAX_IMAGE_SIZE || height > SAG_MAX_IMAGE_SIZE)
         return sag_error_set_at(error, SAG_ERROR_FORMAT, source->path, 0, 0,
@@ -64,6 +76,8 @@ sag_status sagi_image_create_for(const sagi_image_source *source, uint64_t width
         return sag_error_set_at(error, SAG_ERROR_FORMAT, source->path, 0, 0,
                                 "%s image of %llu×%llu pixels in a file of %zu bytes: the file is cut short",
                                 format, (unsigned long long)width, (unsigned long long)height, source->size);
+    if (bits == 8 && source->kept)
+        return keep_bytes(source, (uint32_t)width, (uint32_t)height, channels, image, error);
     const sag_status status =
         sag_image_create(source->context, (uint32_t)width, (uint32_t)height, channels, image, error);
     if (status != SAG_OK && error) snprintf(error->file, sizeof error->file, "%s", source->path);
@@ -75,6 +89,10 @@ void sagi_image_decode_row(const sagi_image_source *source, const void *row, int
     const bool srgb =
         source->encoding == SAG_ENCODING_SRGB || (source->encoding == SAG_ENCODING_DEFAULT && bits == 8);
     const uint32_t n = image->width * image->channels;
+    if (bits == 8 && source->kept) {
+        memcpy(source->kept->bytes + (size_t)y * n, row, n);
+        return;
+    }
     float *out = image->pixels + (size_t)y * n;
     const uint8_t *row8 = row;
     const uint16_t *row16 = row;
@@ -108,12 +126,19 @@ sag_status sagi_image_decode(const sagi_image_source *source, sag_image *image, 
         status = sagi_exr_read(source, &made, error);
     else if (starts_with(source, "PF", 2) || starts_with(source, "Pf", 2))
         status = sagi_pfm_read(source, &made, error);
+    else if (starts_with(source, "qoif", 4))
+        status = sagi_qoi_read(source, &made, error);
     else
         status = sagi_stb_read(source, &made, error);
-    if (status == SAG_OK)
+    if (status == SAG_OK) {
         *image = made;
-    else
-        sag_image_clear(source->context, &made);
+        return SAG_OK;
+    }
+    sag_image_clear(source->context, &made);
+    if (source->kept) {
+        sag_release(source->context, source->kept->bytes, source->kept->size);
+        *source->kept = (sagi_image_bytes){0};
+    }
     return status;
 }
 
@@ -122,7 +147,7 @@ sag_status sag_image_read(const sag_context *context, const char *path, sag_enco
     sagi_file file;
     sag_status status = sagi_file_open(context, path, &file, error);
     if (status != SAG_OK) return status;
-    const sagi_image_source source = {context, path, file.bytes, file.size, encoding};
+    const sagi_image_source source = {context, path, file.bytes, file.size, encoding, NULL};
     status = sagi_image_decode(&source, image, error);
     sagi_file_close(&file);
     return status;

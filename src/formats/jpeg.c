@@ -48,9 +48,10 @@ static void read_image(reader *r) {
     r->jpeg.out_color_space = grey ? JCS_GRAYSCALE : cmyk ? JCS_CMYK : JCS_RGB;
     // A block of 64 pixels takes two bits in a sequential file; in a progressive one a run of 32767 empty
     // blocks takes about three bytes, but the first pass still names each block.
-    r->status = sagi_image_create_for(r->source, r->jpeg.image_width, r->jpeg.image_height, grey ? 1 : 3,
+    r->status = sagi_image_create_for(r->source, r->jpeg.image_width, r->jpeg.image_height, grey ? 1 : 3, 8,
                                       64 * 8, "JPEG", r->image, r->error);
     if (r->status != SAG_OK) return;
+    if (r->source->kept) r->source->kept->encoding = SAG_ENCODING_SRGB;
     jpeg_start_decompress(&r->jpeg);
     r->row_bytes = (size_t)r->jpeg.output_width * (size_t)r->jpeg.output_components;
     r->row = sag_allocate(r->source->context, r->row_bytes);

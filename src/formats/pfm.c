@@ -35,7 +35,7 @@ sag_status sagi_pfm_read(const sagi_image_source *source, sag_image *image, sag_
     if ((source->size - at) / row_bytes < rows)
         return sagi_image_damaged(source, error, "PFM", "the file is cut short");
     const sag_status status =
-        sagi_image_create_for(source, (uint64_t)width, rows, channels, 1, "PFM", image, error);
+        sagi_image_create_for(source, (uint64_t)width, rows, channels, 32, 1, "PFM", image, error);
     if (status != SAG_OK) return status;
     const float factor = isfinite(scale) && scale != 0 ? (float)fabs(scale) : 1;
     const uint8_t *in = source->bytes + at;

@@ -52,8 +52,9 @@ static void read_image(reader *r) {
     png_read_update_info(r->png, r->info);
     const uint32_t height = png_get_image_height(r->png, r->info);
     // Deflate packs at most 1032 to 1; 8 pixels of one bit in a byte.
-    r->status = sagi_image_create_for(r->source, png_get_image_width(r->png, r->info), height,
-                                      png_get_channels(r->png, r->info), 8 * 1032, "PNG", r->image, r->error);
+    r->status =
+        sagi_image_create_for(r->source, png_get_image_width(r->png, r->info), height,
+                              png_get_channels(r->png, r->info), bits, 8 * 1032, "PNG", r->image, r->error);
     if (r->status != SAG_OK) return;
     const size_t row_bytes = png_get_rowbytes(r->png, r->info);
     r->rows_bytes = row_bytes * height;

@@ -54,7 +54,7 @@ static int on_eof(void *user) {
 }
 
 sag_status sagi_stb_read(const sagi_image_source *source, sag_image *image, sag_error *error) {
-    const char *unknown = "not a picture in a known format (PNG, JPEG, TGA, BMP, HDR, EXR, PFM)";
+    const char *unknown = "not a picture in a known format (PNG, JPEG, TGA, BMP, HDR, EXR, PFM, QOI)";
     const stbi_io_callbacks callbacks = {on_read, on_skip, on_eof};
     const int size = source->size > INT32_MAX ? INT32_MAX : (int)source->size;
     int width = 0, height = 0, channels = 0;
@@ -64,8 +64,9 @@ sag_status sagi_stb_read(const sagi_image_source *source, sag_image *image, sag_
     const char *format = hdr ? "HDR" : source->bytes[0] == 'B' && source->bytes[1] == 'M' ? "BMP" : "TGA";
     // The densest is TGA's run of 128 pixels in two bytes.
     sag_status status = sagi_image_create_for(source, (uint64_t)width, (uint64_t)height, (uint32_t)channels,
-                                              64, format, image, error);
+                                              hdr ? 32 : 8, 64, format, image, error);
     if (status != SAG_OK) return status;
+    if (source->kept && !hdr) source->kept->encoding = SAG_ENCODING_SRGB;
     reader r = {.source = source};
     int got_width = 0, got_height = 0, got_channels = 0;
     void *pixels = hdr ? (void *)stbi_loadf_from_callbacks(&callbacks, &r, &got_width, &got_height,
