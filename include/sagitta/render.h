@@ -77,10 +77,21 @@ typedef struct sag_input {
 
 typedef enum sag_texture_kind {
     SAG_TEXTURE_CONSTANT, ///< a
-    SAG_TEXTURE_SCALE,    ///< a · b
+    SAG_TEXTURE_SCALE,    ///< a · b; b a number where it is grey or made of numbers
     SAG_TEXTURE_MIX,      ///< a (1 − amount) + b amount
-    SAG_TEXTURE_CHECKERBOARD, ///< a where ⌊u⌋+⌊v⌋ (or ⌊x⌋+⌊y⌋+⌊z⌋ when dimension is 3) is even, else b
-    SAG_TEXTURE_IMAGE, ///< a picture, bilinear
+    SAG_TEXTURE_CHECKERBOARD, ///< a where ⌊s⌋ + ⌊t⌋ (or ⌊x⌋ + ⌊y⌋ + ⌊z⌋ when dimension is 3) is even, else b;
+                              ///< their mean over the footprint
+    SAG_TEXTURE_IMAGE,         ///< a picture
+    SAG_TEXTURE_DIRECTION_MIX, ///< a c + b (1 − c), c the |cosine| between the surface's normal and
+                               ///< `direction`
+    SAG_TEXTURE_BILERP,        ///< a at (s, t) = (0, 0), b at (0, 1), c at (1, 0), d at (1, 1), between and
+                               ///< beyond bilinear
+    SAG_TEXTURE_DOTS,     ///< a, and b within round spots of radius 0.35, at most one in each unit square
+                          ///< of (s, t), in about two of five
+    SAG_TEXTURE_FBM,      ///< sum of octaves of noise in the texture's space, about −1 … 1
+    SAG_TEXTURE_WRINKLED, ///< sum of octaves of |noise|
+    SAG_TEXTURE_WINDY,    ///< waves on water: noise of 6 octaves, the stronger the more a slow one of 3 is
+    SAG_TEXTURE_MARBLE,   ///< veins along x and z: a colour of its own
 } sag_texture_kind;
 
 /// How a point gets its texture coordinates (s, t). The last three start from the point in the texture's
@@ -116,18 +127,28 @@ typedef enum sag_texture_filter {
     SAG_LOOKUP_EWA,       ///< an ellipse with Gaussian weights (Heckbert 1989)
 } sag_texture_filter;
 
-/// One texture. (u, v) ↦ (u·u_scale + u_offset, v·v_scale + v_offset) first; a scale of 0 counts as 1. v = 0
-/// is the bottom row.
+/// A picture of a world, for textures to share, counted from 1.
+typedef uint32_t sag_picture_id;
+
+/// One texture.
 typedef struct sag_texture {
     sag_texture_kind kind;
-    sag_input a, b, amount;
-    double u_scale, v_scale, u_offset, v_offset;
-    uint32_t dimension;          ///< of the checkerboard: 2 or 3; 0 counts as 2
-    sag_affine world_to_texture; ///< for dimension 3; zero-initialised: the identity
-    sag_image image;             ///< the world takes it over (its pixels come from the world's context)
+    bool is_number; ///< of numbers, not colours: also asked for a colour it gives what is one number of a
+                    ///< picture, its fourth channel or else the mean of the others
+    sag_input a, b, c, d, amount;
+    sag_mapping mapping;
+    uint32_t dimension;     ///< of the checkerboard: 2 or 3; 0 counts as 2
+    sag_vec3 direction;     ///< of the direction mix: a unit in world space; zero: y
+    uint32_t octaves;       ///< of fbm, wrinkled, marble; 0 counts as 8
+    double omega;           ///< how much weaker each octave is; 0 counts as 0.5
+    double variation;       ///< of marble: how much noise bends the veins; 0 counts as 0.2
+    sag_picture_id picture; ///< 0: `image`
+    sag_image image;        ///< the world takes it over (its pixels come from the world's context)
     sag_wrap wrap;
-    double scale; ///< multiplies the picture; 0 counts as 1
-    bool invert;  ///< 1 − value, before scale
+    sag_texture_filter filter;
+    double max_anisotropy; ///< of EWA: how long its ellipse may be; 0 counts as 8, at most 64
+    double scale;          ///< multiplies the picture, and the space of marble; 0 counts as 1
+    bool invert;           ///< of a picture: max(0, 1 − scale · value)
 } sag_texture;
 
 // -----------------------------------------------------------------------------------------------------------
@@ -154,6 +175,10 @@ typedef struct sag_material {
     /// amounts to 0.01 and 5.
     double thickness;
     uint32_t bounces;
+    bool roughness_is_root;    ///< α is the square root of what roughness_u and roughness_v say
+    sag_input displacement;    ///< with texture ≠ 0: shaded as if moved so far along the normal (a number)
+    sag_picture_id normal_map; ///< ≠ 0, before displacement: (x + 1)/2, (y + 1)/2, (z + 1)/2 of the normal,
+                               ///< by (u, v), z along the surface's own and x along dpdu
 } sag_material;
 
 // -----------------------------------------------------------------------------------------------------------
@@ -216,9 +241,20 @@ SAG_API double sag_world_spectrum_luminance(const sag_world *world, sag_spectrum
 /// id.
 SAG_API sag_rgb sag_world_spectrum_color(const sag_world *world, sag_spectrum_id id, bool as_light);
 
+/// Takes a picture over (also on failure) for textures to show. Its id, or 0 when memory is short or there is
+/// no picture.
+SAG_API sag_picture_id sag_world_add_picture(sag_world *world, sag_image *image);
+/// Reads a picture as sag_image_read does, and keeps it as small as its numbers are: bytes stay bytes. The
+/// encoding (SAG_ENCODING_DEFAULT: sRGB; gamma > 0: that power instead) counts for PNG; as in pbrt-v4, other
+/// formats of 8 bits are what they say (QOI) or sRGB. A file that was read before in the same way is not read
+/// again.
+SAG_API sag_status sag_world_load_picture(sag_world *world, const char *path, sag_encoding encoding,
+                                          double gamma, sag_picture_id *id, sag_error *error);
+
 /// Adds a texture, material or light (copied; pictures are taken over, also on failure). Returns its id
 /// (each kind counts from 1) or 0 when memory is short, an input names a texture or spectrum that was not
-/// added before, or textures nest more than 32 deep.
+/// added before, or textures nest more than 32 deep or are made of more than 4096, counted as often as they
+/// are used.
 SAG_API sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture);
 /// As sag_world_add_texture, for a material.
 SAG_API uint32_t sag_world_add_material(sag_world *world, const sag_material *material);
@@ -233,9 +269,10 @@ typedef struct sag_appearance {
     sag_rgb emission;  ///< radiance W/(m² sr); not black: the geometry is an area light, on its front
     sag_spectrum_id emission_spectrum; ///< ≠ 0: this times emission_scale, in place of `emission`
     double emission_scale;
-    bool two_sided;  ///< emits on both sides
-    bool flip;       ///< the front is the back (pbrt's ReverseOrientation)
-    sag_input alpha; ///< with texture ≠ 0: where the value is 0 the surface is not there
+    bool two_sided; ///< emits on both sides
+    bool flip;      ///< the front is the back (pbrt's ReverseOrientation)
+    sag_input
+        alpha; ///< with texture ≠ 0: the share of the surface that is there, and of the rays that see it
 } sag_appearance;
 
 /// Binds a look to a geometry of one of the world's scenes, in place of an earlier one. It sets the

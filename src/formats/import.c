@@ -149,12 +149,12 @@ static sag_texture_id add_texture(const importer *m, const struct aiString *name
         if (*p == '\\') *p = '/';
     if (embedded && embedded->mHeight == 0) {
         const sagi_image_source source = {m->context, m->path, (const uint8_t *)embedded->pcData,
-                                          embedded->mWidth, SAG_ENCODING_DEFAULT};
+                                          embedded->mWidth, SAG_ENCODING_DEFAULT, NULL};
         status = sagi_image_decode(&source, &texture.image, &error);
     } else if (length < 0 || (size_t)length >= sizeof path || name->data[0] == '*') {
         return 0;
     } else {
-        status = sag_image_read(m->context, path, SAG_ENCODING_DEFAULT, &texture.image, &error);
+        status = sag_world_load_picture(m->world, path, SAG_ENCODING_DEFAULT, 0, &texture.picture, &error);
     }
     if (status == SAG_OK) return sag_world_add_texture(m->world, &texture);
     sag_context_log(m->context, SAG_LOG_WARNING, "%s: warning: texture %s: %s", m->path, name->data,

@@ -170,6 +170,9 @@ sag_input sagi_pbrt_light_color(sagi_pbrt *p, const char *name);
 sag_input sagi_pbrt_spectrum_input(sagi_pbrt *p, const char *name, sagi_spectrum_use use, double otherwise);
 sag_spectrum_id sagi_pbrt_named_spectrum(sagi_pbrt *p, const char *name);
 sag_input sagi_pbrt_float_input(sagi_pbrt *p, const char *name, double otherwise);
+// The picture in the file a parameter names, which must be there.
+sag_status sagi_pbrt_picture(sagi_pbrt *p, sagi_place place, const char *parameter, sag_encoding encoding,
+                             double gamma, sag_picture_id *id);
 
 // The transform to the world's space, or the object's, also within a solid.
 sag_affine sagi_pbrt_transform_now(const sagi_pbrt *p);

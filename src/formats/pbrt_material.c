@@ -11,20 +11,17 @@
 
 static const double half = 0.5;
 
-static void read_roughness(sagi_pbrt *p, sagi_place place, const char *all, const char *u, const char *v,
-                           sag_material *m) {
+static void read_roughness(sagi_pbrt *p, const char *all, const char *u, const char *v, sag_material *m) {
     const sag_input both = sagi_pbrt_float_input(p, all, 0);
     m->roughness_u = sagi_pbrt_float_input(p, u, both.value.r);
     m->roughness_v = sagi_pbrt_float_input(p, v, both.value.r);
     sag_input *const inputs[] = {&m->roughness_u, &m->roughness_v};
     const bool remap = sagi_params_bool(&p->params, "remaproughness", true);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         if (inputs[i]->texture == 0 && both.texture && inputs[i]->value.r == both.value.r)
             inputs[i]->texture = both.texture;
-        if (!remap) continue;
-        if (inputs[i]->texture)
-            sagi_pbrt_warn_once(p, place, "remaproughness",
-                                "remaproughness is not supported for textures: they are taken for α");
+    m->roughness_is_root = remap && (m->roughness_u.texture || m->roughness_v.texture);
+    for (int i = 0; i < 2 && remap && !m->roughness_is_root; i++) {
         const double alpha = sqrt(fmax(inputs[i]->value.r, 0));
         inputs[i]->value = (sag_rgb){alpha, alpha, alpha};
     }
@@ -73,11 +70,11 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
     } else if (strcmp(kind, "conductor") == 0) {
         read_metal(p, "eta", "k", m);
-        read_roughness(p, place, "roughness", "uroughness", "vroughness", m);
+        read_roughness(p, "roughness", "uroughness", "vroughness", m);
     } else if (strcmp(kind, "dielectric") == 0) {
         m->kind = SAG_MATERIAL_DIELECTRIC;
         m->eta = read_index(p, "eta");
-        read_roughness(p, place, "roughness", "uroughness", "vroughness", m);
+        read_roughness(p, "roughness", "uroughness", "vroughness", m);
     } else if (strcmp(kind, "thindielectric") == 0) {
         m->kind = SAG_MATERIAL_THIN_DIELECTRIC;
         m->eta = read_index(p, "eta");
@@ -85,7 +82,7 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         m->kind = SAG_MATERIAL_COATED_DIFFUSE;
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
         m->eta = read_index(p, "eta");
-        read_roughness(p, place, "roughness", "uroughness", "vroughness", m);
+        read_roughness(p, "roughness", "uroughness", "vroughness", m);
         m->thickness = fmax(sagi_pbrt_float_input(p, "thickness", 0.01).value.r, 0);
         // pbrt's walk counts each layer it meets: the base is every other one.
         const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 10);
@@ -95,7 +92,7 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         sagi_pbrt_ignore(p, "g", NULL);
     } else if (strcmp(kind, "coatedconductor") == 0) {
         read_metal(p, "conductor.eta", "conductor.k", m);
-        read_roughness(p, place, "conductor.roughness", "conductor.uroughness", "conductor.vroughness", m);
+        read_roughness(p, "conductor.roughness", "conductor.uroughness", "conductor.vroughness", m);
         warn_nearest(p, place, kind, "the metal without its coat");
     } else if (strcmp(kind, "diffusetransmission") == 0) {
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, 0.25);
@@ -109,8 +106,9 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
     } else {
         return false;
     }
-    sagi_pbrt_ignore(p, "displacement", "is not supported");
-    sagi_pbrt_ignore(p, "normalmap", "is not supported");
+    m->displacement = sagi_pbrt_float_input(p, "displacement", 0);
+    if (sagi_params_find(&p->params, "normalmap", ~0u))
+        sagi_pbrt_picture(p, place, "normalmap", SAG_ENCODING_LINEAR, 0, &m->normal_map);
     return true;
 }
 

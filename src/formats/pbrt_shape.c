@@ -52,9 +52,11 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p) {
 static sag_appearance look_of(sagi_pbrt *p, double area) {
     sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
     look.alpha = sagi_pbrt_float_input(p, "alpha", 1);
-    if (look.alpha.texture == 0 && look.alpha.value.r != 1)
-        sagi_pbrt_warn_once(p, p->params.place, "alpha", "%s: a constant \"alpha\" is not supported",
-                            p->params.what);
+    if (look.alpha.texture == 0 && look.alpha.value.r < 1) {
+        const sag_texture constant = {.kind = SAG_TEXTURE_CONSTANT, .is_number = true, .a = look.alpha};
+        look.alpha.texture = sag_world_add_texture(p->world, &constant);
+        if (look.alpha.texture == 0) p->params.status = sagi_pbrt_out_of_memory(p);
+    }
     if (look.alpha.texture && p->solid.scene) {
         sagi_pbrt_warn_once(p, p->params.place, "alpha of solids",
                             "%s: the \"alpha\" of a solid's part is not supported: all of it is there",

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inputs by wavelength: spectra and colours made ready beforehand, and what textures say, made a spectrum on
-// the way.
+// Inputs that are no textures: spectra, and colours made ready beforehand.
 #include "world.h"
 
 const sagi_spectrum_entry *sagi_spectrum_of(const sag_world *world, sag_spectrum_id id) {
@@ -16,12 +15,4 @@ sagi_color sagi_input_color(const sag_world *world, const sag_input *input, sagi
 sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input) {
     const sagi_spectrum_entry *entry = sagi_spectrum_of(world, input->spectrum);
     return entry ? entry->reflectance : input->value;
-}
-
-sagi_spectrum sagi_input_spectrum(const sag_world *world, const sag_input *input, const sagi_color *color,
-                                  sagi_rgb_use use, const sag_surface *surface, sagi_spectrum lambda) {
-    if (input->texture == 0) return sagi_color_at(color, lambda);
-    const sagi_color texel =
-        sagi_color_of_texel(SAG_COLOR_SRGB, sagi_input_evaluate(world, input, surface), use);
-    return sagi_color_at(&texel, lambda);
 }

@@ -17,6 +17,7 @@ struct sag_render {
     const sag_scene *scene;
     sag_settings settings;
     sagi_camera camera;
+    sagi_footprint footprint;
     sagi_filter filter;
     sagi_sampler_plan sampler_plan;
     sagi_sampler sampler; // as it stands before the first pixel

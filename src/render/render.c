@@ -61,6 +61,8 @@ static sag_status prepare(sag_render *render, sag_error *error) {
 
     const sag_film *film = &render->settings.film;
     status = sagi_camera_init(&render->camera, &render->settings.camera, film->width, film->height, error);
+    if (status == SAG_OK)
+        sagi_footprint_init(&render->footprint, &render->camera, render->settings.samples_per_pixel);
     if (status == SAG_OK) status = sagi_sensor_init(&render->sensor, film, error);
     if (status == SAG_OK) status = sagi_filter_init(&render->filter, film, error);
     if (status == SAG_OK) status = sagi_sampler_plan_init(&render->sampler_plan, &render->settings, error);

@@ -43,7 +43,8 @@ void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
     case SAG_INTEGRATOR_DEPTH: path->shown = sagi_rgb_grey(path->distance); break;
     case SAG_INTEGRATOR_ID: path->shown = sagi_id_color(meeting->hit); break;
     case SAG_INTEGRATOR_ALBEDO:
-        path->shown = sagi_material_albedo(wave->render->world, meeting->appearance, surface);
+        path->shown =
+            sagi_material_albedo(wave->render->world, meeting->appearance, surface, &wave->render->footprint);
         break;
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT: break;

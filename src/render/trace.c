@@ -1,13 +1,31 @@
 // SPDX-License-Identifier: MIT
-// Rays that pass what is not there: surfaces whose alpha is 0, and interfaces. A ray goes on from such a
-// surface as any spawned ray does, so nothing is skipped and nothing is met twice. Scenes without them take
-// the short way.
+// Rays that pass what is not there: surfaces by as much as their alpha is below 1, and interfaces. A ray goes
+// on from such a surface as any spawned ray does, so nothing is skipped and nothing is met twice. Scenes
+// without them take the short way.
 #include "job.h"
+#include "math/hash.h"
 
-static bool is_there(const sag_world *world, const sagi_appearance *appearance, const sag_surface *surface) {
+// A number in [0, 1) of the ray, as good as random: so that what is half there is there for half of the rays,
+// the same ones however often and in whatever order they are traced.
+static double number_of(const sag_ray *ray) {
+    const sagi_fingerprint origin = sagi_fingerprint_of(ray->origin),
+                           way = sagi_fingerprint_of(ray->direction);
+    return (double)(sagi_mix(origin.part[0] + sagi_mix(way.part[1])) >> 11) * 0x1p-53;
+}
+
+static bool is_opaque(const sag_world *world, const sag_input *alpha, const sag_surface *surface,
+                      const sag_ray *ray) {
+    sagi_spot at;
+    sagi_spot_at(&at, surface);
+    const double value = sagi_input_number(world, alpha, &at);
+    return value >= 1 || (value > 0 && number_of(ray) < value);
+}
+
+static bool is_there(const sag_world *world, const sagi_appearance *appearance, const sag_surface *surface,
+                     const sag_ray *ray) {
     if (!appearance) return true;
     const sag_input *alpha = &appearance->look.alpha;
-    if (alpha->texture != 0 && !(sagi_input_evaluate(world, alpha, surface).r > 0)) return false;
+    if (alpha->texture != 0 && !is_opaque(world, alpha, surface, ray)) return false;
     uint32_t id = appearance->look.material;
     if (id == 0) return true;
     const sagi_material *material = (const sagi_material *)world->materials.items + (id - 1);
@@ -22,10 +40,10 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
     path->distance += hit->t;
     meeting->hit = hit;
     meeting->appearance = sagi_appearance_of(render->world, surface);
-    if (!render->see_through || is_there(render->world, meeting->appearance, surface)) {
+    if (!render->see_through || is_there(render->world, meeting->appearance, surface, ray)) {
         sagi_orient(meeting->appearance, surface);
-        sagi_material_evaluate(render->world, meeting->appearance, surface, sag_neg(ray->direction),
-                               path->wavelengths.lambda, &meeting->bsdf);
+        sagi_material_evaluate(render->world, meeting->appearance, surface, &render->footprint,
+                               sag_neg(ray->direction), path->wavelengths.lambda, &meeting->bsdf);
         return SAGI_COURSE_MEETING;
     }
     if (++path->passed == SAGI_MAX_PASSED) return SAGI_COURSE_AWAY;
@@ -51,7 +69,7 @@ sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample 
     if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
     sag_surface surface;
     sag_surface_at(render->scene, ray, hit, &surface);
-    if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface))
+    if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface, ray))
         return SAGI_COURSE_MEETING;
     *ray = sagi_shadow_ray(&surface, sample);
     return SAGI_COURSE_ON;

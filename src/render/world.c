@@ -50,8 +50,7 @@ sag_world *sag_world_create(sag_context *context) {
 void sag_world_destroy(sag_world *world) {
     if (!world) return;
     sag_context *context = world->context;
-    sagi_texture *textures = world->textures.items;
-    for (size_t i = 0; i < world->textures.count; i++) sag_image_clear(context, &textures[i].texture.image);
+    sagi_world_clear_pictures(world);
     sag_light *lights = world->lights.items;
     for (size_t i = 0; i < world->lights.count; i++) sag_image_clear(context, &lights[i].image);
     sag_scene_destroy(world->scene);
@@ -110,37 +109,19 @@ sag_rgb sag_world_spectrum_color(const sag_world *world, sag_spectrum_id id, boo
     return entry ? (as_light ? entry->light : entry->reflectance) : (sag_rgb){0, 0, 0};
 }
 
-// The depth of a texture over its inputs, or 0 when one does not exist or there are too many levels.
-static uint32_t texture_depth(const sag_world *world, const sag_texture *texture) {
-    const sagi_texture *textures = world->textures.items;
-    const sag_input *inputs[] = {&texture->a, &texture->b, &texture->amount};
-    uint32_t depth = 1;
-    for (int i = 0; i < 3; i++) {
-        sag_texture_id id = inputs[i]->texture;
-        if (id > world->textures.count || inputs[i]->spectrum > world->spectra.count) return 0;
-        if (id != 0 && textures[id - 1].depth >= depth) depth = textures[id - 1].depth + 1;
-    }
-    return depth <= SAGI_MAX_TEXTURE_DEPTH ? depth : 0;
-}
-
 sag_texture_id sag_world_add_texture(sag_world *world, const sag_texture *texture) {
-    uint32_t depth = texture_depth(world, texture);
-    sagi_texture *slot = depth ? sagi_list_grow(world->context, &world->textures, sizeof *slot) : NULL;
-    if (!slot) {
-        sag_image image = texture->image;
-        sag_image_clear(world->context, &image);
-        return 0;
+    sag_texture made = *texture;
+    sagi_texture entry;
+    bool good = sagi_texture_prepare(world, texture, &entry);
+    if (good && made.kind == SAG_TEXTURE_IMAGE && made.picture == 0) {
+        entry.texture.picture = sag_world_add_picture(world, &made.image);
+        good = entry.texture.picture != 0;
     }
-    slot->texture = *texture;
-    slot->depth = depth;
-    static const sag_affine zero;
-    slot->mapped = memcmp(&texture->world_to_texture, &zero, sizeof zero) != 0 &&
-                   !sag_affine_is_identity(&texture->world_to_texture);
-    if (texture->u_scale == 0) slot->texture.u_scale = 1;
-    if (texture->v_scale == 0) slot->texture.v_scale = 1;
-    if (texture->scale == 0) slot->texture.scale = 1;
-    world->textures.count++;
-    return (sag_texture_id)world->textures.count;
+    sag_image_clear(world->context, &made.image);
+    sagi_texture *slot = good ? sagi_list_grow(world->context, &world->textures, sizeof *slot) : NULL;
+    if (!slot) return 0;
+    *slot = entry;
+    return (sag_texture_id)++world->textures.count;
 }
 
 // The index of refraction of glass and coats: of a plain colour, its first component.
@@ -177,14 +158,20 @@ static void prepare_material(const sag_world *world, sagi_material *entry) {
 }
 
 uint32_t sag_world_add_material(sag_world *world, const sag_material *material) {
-    const sag_input *inputs[] = {&material->reflectance, &material->eta, &material->k, &material->roughness_u,
-                                 &material->roughness_v};
-    for (int i = 0; i < 5; i++)
-        if (inputs[i]->texture > world->textures.count || inputs[i]->spectrum > world->spectra.count)
-            return 0;
+    const sag_input *inputs[] = {&material->reflectance, &material->eta,         &material->k,
+                                 &material->roughness_u, &material->roughness_v, &material->displacement};
+    const sagi_texture *textures = world->textures.items;
+    bool wants_footprint = false;
+    for (int i = 0; i < 6; i++) {
+        const sag_texture_id id = inputs[i]->texture;
+        if (id > world->textures.count || inputs[i]->spectrum > world->spectra.count) return 0;
+        wants_footprint |= id != 0 && textures[id - 1].wants_footprint;
+    }
+    if (material->normal_map > world->pictures.count) return 0;
     sagi_material *slot = sagi_list_grow(world->context, &world->materials, sizeof *slot);
     if (!slot) return 0;
     slot->material = *material;
+    slot->wants_footprint = wants_footprint;
     prepare_material(world, slot);
     world->materials.count++;
     return (uint32_t)world->materials.count;

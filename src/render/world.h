@@ -4,6 +4,8 @@
 #define SAGI_RENDER_WORLD_H
 
 #include "bsdf.h"
+#include "footprint.h"
+#include "picture.h"
 
 // A growing array: see sagi_list_grow.
 typedef struct sagi_list {
@@ -13,11 +15,17 @@ typedef struct sagi_list {
 
 // How deep textures may nest.
 #define SAGI_MAX_TEXTURE_DEPTH 32
+// How many textures one may be made of, itself and each as often as it is used.
+#define SAGI_MAX_TEXTURE_PARTS 4096
 
 typedef struct sagi_texture {
-    sag_texture texture;
-    bool mapped; // world_to_texture is not the identity
-    uint32_t depth;
+    sag_texture texture; // its zeros replaced by what they count as
+    sagi_mapping mapping;
+    sagi_lookup lookup;
+    sagi_color colors[2]
+                     [4]; // of a … d where they are no textures: as reflectances, as amounts without a bound
+    uint32_t depth, parts;
+    bool wants_footprint; // it or one of its inputs
 } sagi_texture;
 
 typedef struct sagi_material {
@@ -25,6 +33,7 @@ typedef struct sagi_material {
     sagi_color reflectance, eta, k; // where they are no textures
     sag_rgb mirror;                 // of a metal without textures: its colour at normal incidence
     double inner_mean;              // of a coat
+    bool wants_footprint;           // of one of its textures
 } sagi_material;
 
 // The look of one geometry; its user data is the id.
@@ -49,6 +58,7 @@ struct sag_world {
     sag_scene *scene;
     sag_settings settings;
     sagi_list spectra;     // sagi_spectrum_entry
+    sagi_list pictures;    // sagi_picture
     sagi_list textures;    // sagi_texture
     sagi_list materials;   // sagi_material
     sagi_list lights;      // sag_light
@@ -61,23 +71,27 @@ struct sag_world {
 void *sagi_list_grow(const sag_context *context, sagi_list *list, size_t item_bytes);
 void sagi_list_clear(const sag_context *context, sagi_list *list, size_t item_bytes);
 
-// The value at a surface of what may be a texture, as RGB; a number is in r.
-sag_rgb sagi_input_evaluate(const sag_world *world, const sag_input *input, const sag_surface *surface);
-// The same by wavelength; `color` is the input made ready.
+// The value of what may be a texture: as a number, as a colour, and by wavelength, where `color` is the input
+// made ready.
+double sagi_input_number(const sag_world *world, const sag_input *input, const sagi_spot *at);
+sag_rgb sagi_input_rgb(const sag_world *world, const sag_input *input, const sagi_spot *at);
 sagi_spectrum sagi_input_spectrum(const sag_world *world, const sag_input *input, const sagi_color *color,
-                                  sagi_rgb_use use, const sag_surface *surface, sagi_spectrum lambda);
+                                  sagi_rgb_use use, const sagi_spot *at, sagi_spectrum lambda);
 // An input that is no texture, made ready, and as RGB.
 sagi_color sagi_input_color(const sag_world *world, const sag_input *input, sagi_rgb_use use);
 sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input);
 // NULL for an id that is none.
 const sagi_spectrum_entry *sagi_spectrum_of(const sag_world *world, sag_spectrum_id id);
-// What the material of a surface (appearance 0: the default) scatters there. False: nothing is there
-// (interface).
+// Makes a texture ready in *entry. False for inputs that are none and too many levels or parts.
+bool sagi_texture_prepare(const sag_world *world, const sag_texture *texture, sagi_texture *entry);
+// What the material of a surface (appearance 0: the default) scatters there; with the pixel's footprint, or
+// NULL: textures are looked up at points. False: nothing is there (interface).
 bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
-                            const sag_surface *surface, sag_vec3 wo, sagi_spectrum lambda, sagi_bsdf *bsdf);
+                            const sag_surface *surface, const sagi_footprint *footprint, sag_vec3 wo,
+                            sagi_spectrum lambda, sagi_bsdf *bsdf);
 // What the albedo integrator shows: the colour of the surface, without the noise of wavelengths.
 sag_rgb sagi_material_albedo(const sag_world *world, const sagi_appearance *appearance,
-                             const sag_surface *surface);
+                             const sag_surface *surface, const sagi_footprint *footprint);
 
 // The appearance a surface's user data names, or NULL.
 static inline const sagi_appearance *sagi_appearance_of(const sag_world *world, const sag_surface *surface) {

@@ -366,8 +366,9 @@ static void holes_and_interfaces(void **state) {
         studio s = floor_studio();
         sag_appearance look = {.emission = {0, 0, 0}};
         if (i == 0) {
-            sag_texture holes = {
-                .kind = SAG_TEXTURE_CHECKERBOARD, .b.value = {1, 1, 1}, .u_scale = 50, .v_scale = 50};
+            sag_texture holes = {.kind = SAG_TEXTURE_CHECKERBOARD,
+                                 .b.value = {1, 1, 1},
+                                 .mapping = {.u_scale = 50, .v_scale = 50}};
             look.alpha.texture = sag_world_add_texture(s.world, &holes);
             assert_int_not_equal(look.alpha.texture, 0);
         } else {

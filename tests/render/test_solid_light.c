@@ -51,7 +51,7 @@ static void furnish(studio *s) {
     const sag_texture squares = {.kind = SAG_TEXTURE_CHECKERBOARD,
                                  .a.value = {0.8, 0.3, 0.2},
                                  .b.value = {0.1, 0.4, 0.7},
-                                 .u_scale = 1};
+                                 .mapping.u_scale = 1};
     const sag_texture_id texture = sag_world_add_texture(s->world, &squares);
     const uint32_t wall =
         studio_material(s, (sag_material){.kind = SAG_MATERIAL_DIFFUSE, .reflectance.texture = texture});

@@ -25,9 +25,9 @@ static void room_close(room *r) {
 }
 
 static double value_at(const room *r, sag_texture_id id, double u, double v) {
-    sag_surface surface = {.u = u, .v = v};
-    sag_input input = {.value = {-1, -1, -1}, .texture = id};
-    return sagi_input_evaluate(r->world, &input, &surface).r;
+    const sagi_spot at = {.u = u, .v = v};
+    const sag_input input = {.value = {-1, -1, -1}, .texture = id};
+    return sagi_input_rgb(r->world, &input, &at).r;
 }
 
 // Two by two texels, from the top left: 1 2 / 3 4.
@@ -68,12 +68,16 @@ static void pictures_are_scaled_inverted_and_placed(void **state) {
     (void)state;
     room r = room_open();
     sag_texture texture = small_picture(&r, SAG_WRAP_REPEAT);
-    texture.scale = 10, texture.invert = true;
-    texture.u_scale = 2, texture.v_offset = 0.5;
+    texture.scale = 0.25, texture.invert = true;
+    texture.mapping.u_scale = 2, texture.mapping.v_offset = 0.5;
     sag_texture_id id = sag_world_add_texture(r.world, &texture);
-    assert_true(value_at(&r, id, 0.125, 0.25) == 0);    // 1 − 1
-    assert_true(value_at(&r, id, 0.375, 0.25) == -10);  // 1 − 2
-    assert_true(value_at(&r, id, 0.125, -0.25) == -20); // 1 − 3
+    assert_true(value_at(&r, id, 0.125, 0.25) == 1 - 0.25);
+    assert_true(value_at(&r, id, 0.375, 0.25) == 1 - 0.5);
+    assert_true(value_at(&r, id, 0.125, -0.25) == 1 - 0.75);
+    texture = small_picture(&r, SAG_WRAP_REPEAT);
+    texture.scale = 10, texture.invert = true;
+    id = sag_world_add_texture(r.world, &texture);
+    assert_true(value_at(&r, id, 0.25, 0.75) == 0); // never below
     room_close(&r);
 }
 
@@ -81,21 +85,20 @@ static void checkerboards_alternate(void **state) {
     (void)state;
     room r = room_open();
     sag_texture texture = {
-        .kind = SAG_TEXTURE_CHECKERBOARD, .a.value = {1, 0, 0}, .b.value = {2, 0, 0}, .u_scale = 4};
+        .kind = SAG_TEXTURE_CHECKERBOARD, .a.value = {1, 0, 0}, .b.value = {2, 0, 0}, .mapping.u_scale = 4};
     sag_texture_id id = sag_world_add_texture(r.world, &texture);
     assert_true(value_at(&r, id, 0.1, 0.1) == 1 && value_at(&r, id, 0.3, 0.1) == 2);
     assert_true(value_at(&r, id, 0.3, 1.1) == 1 && value_at(&r, id, -0.1, 0.1) == 2 &&
                 value_at(&r, id, -0.1, -0.1) == 1);
     texture.dimension = 3;
-    texture.world_to_texture = sag_affine_scale(sag_vec3_make(2, 2, 2));
+    texture.mapping.world_to_texture = sag_affine_scale(sag_vec3_make(2, 2, 2));
     id = sag_world_add_texture(r.world, &texture);
     sag_input input = {.texture = id};
     for (int i = -3; i < 4; i++)
         for (int j = -3; j < 4; j++)
             for (int k = -3; k < 4; k++) {
-                sag_surface surface = {.position = {(i + 0.5) / 2, (j + 0.5) / 2, (k + 0.5) / 2}};
-                assert_true(sagi_input_evaluate(r.world, &input, &surface).r ==
-                            ((i + j + k) % 2 == 0 ? 1 : 2));
+                const sagi_spot at = {.position = {(i + 0.5) / 2, (j + 0.5) / 2, (k + 0.5) / 2}};
+                assert_true(sagi_input_rgb(r.world, &input, &at).r == ((i + j + k) % 2 == 0 ? 1 : 2));
             }
     room_close(&r);
 }
@@ -126,28 +129,28 @@ static void materials_read_their_inputs(void **state) {
     sag_vec3 wo = {0, 0, 1};
     const sagi_spectrum lambda = {450, 530, 600, 700};
     sagi_bsdf bsdf;
-    assert_true(sagi_material_evaluate(r.world, NULL, &surface, wo, lambda, &bsdf));
+    assert_true(sagi_material_evaluate(r.world, NULL, &surface, NULL, wo, lambda, &bsdf));
     assert_true(bsdf.kind == SAG_MATERIAL_DIFFUSE && bsdf.color[2] == 0.5F);
     sagi_appearance look = {.look.material = 1};
     // Reflectances are held within [0, 1], NaN is nothing; tiny roughness is a mirror.
     sag_material diffuse = {.reflectance.value = {7, -1, NAN}};
     assert_int_equal(sag_world_add_material(r.world, &diffuse), 1);
-    assert_true(sagi_material_evaluate(r.world, &look, &surface, wo, lambda, &bsdf));
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
     for (int i = 0; i < 4; i++) assert_true(bsdf.color[i] >= 0 && bsdf.color[i] <= 1);
     assert_true(bsdf.color[0] < 0.1F && bsdf.color[3] > 0.9F);
-    const sag_rgb red = sagi_material_albedo(r.world, &look, &surface);
+    const sag_rgb red = sagi_material_albedo(r.world, &look, &surface, NULL);
     assert_true(red.r == 1 && red.g == 0 && red.b == 0);
     sag_material metal = {.kind = SAG_MATERIAL_CONDUCTOR,
                           .reflectance.value = {0.5, 0.9, 0},
                           .roughness_u.value = {1e-4, 0, 0}};
     look.look.material = sag_world_add_material(r.world, &metal);
-    assert_true(sagi_material_evaluate(r.world, &look, &surface, wo, lambda, &bsdf));
-    sag_rgb color = sagi_material_albedo(r.world, &look, &surface);
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
+    sag_rgb color = sagi_material_albedo(r.world, &look, &surface, NULL);
     assert_true(bsdf.specular && fabs(color.r - 0.5) < 1e-12 && fabs(color.g - 0.9) < 1e-12 &&
                 color.b < 1e-12);
     sag_material air = {.kind = SAG_MATERIAL_INTERFACE};
     look.look.material = sag_world_add_material(r.world, &air);
-    assert_false(sagi_material_evaluate(r.world, &look, &surface, wo, lambda, &bsdf));
+    assert_false(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
     room_close(&r);
 }
 

@@ -44,7 +44,7 @@ static void furnish(studio *s, bool veiled) {
                         &(sag_light){.kind = SAG_LIGHT_POINT, .color = {9, 9, 9}, .from = {-3, 3, 3}});
     if (!veiled) return;
     sag_texture holes = {
-        .kind = SAG_TEXTURE_CHECKERBOARD, .b.value = {1, 1, 1}, .u_scale = 20, .v_scale = 20};
+        .kind = SAG_TEXTURE_CHECKERBOARD, .b.value = {1, 1, 1}, .mapping = {.u_scale = 20, .v_scale = 20}};
     uint32_t veil = sag_add_rectangle(
         s->scene, &(sag_rectangle){.corner = {-2, -2, 1}, .edge_u = {4, 0, 0}, .edge_v = {0, 4, 0}});
     sag_world_set_appearance(s->world, s->scene, veil,
