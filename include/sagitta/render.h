@@ -289,7 +289,9 @@ SAG_API sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, 
 typedef enum sag_camera_kind {
     SAG_CAMERA_PERSPECTIVE,
     SAG_CAMERA_ORTHOGRAPHIC,
-    SAG_CAMERA_ENVIRONMENT ///< all directions: longitude 0 … 2π from left to right, the pole y at the top
+    SAG_CAMERA_ENVIRONMENT, ///< all directions: longitude 0 … 2π from left to right, the pole y at the top
+    SAG_CAMERA_EQUAL_AREA,  ///< all directions, each pixel the same solid angle: Clarberg's mapping as of
+                            ///< infinite lights' pictures, with y and z exchanged (pbrt's); best square
 } sag_camera_kind;
 
 /// Looks along +z with +x right and +y up in its own space (pbrt's: left-handed), which to_world places.
@@ -309,7 +311,16 @@ typedef struct sag_camera {
 /// in, not finite out. Thread-safe. Test: tests/render/test_camera.c.
 SAG_API sag_affine sag_camera_look_at(sag_vec3 eye, sag_vec3 target, sag_vec3 up);
 
-typedef enum sag_filter_kind { SAG_FILTER_BOX, SAG_FILTER_TRIANGLE, SAG_FILTER_GAUSSIAN } sag_filter_kind;
+/// How samples around a pixel count towards it: pbrt's curves (src/render/filter.c has them). Samples are
+/// drawn as the curve is high, and count alike, those where it is negative negatively. Test:
+/// tests/render/test_filter.c.
+typedef enum sag_filter_kind {
+    SAG_FILTER_BOX,      ///< default radius 0.5
+    SAG_FILTER_TRIANGLE, ///< 2
+    SAG_FILTER_GAUSSIAN, ///< 1.5
+    SAG_FILTER_MITCHELL, ///< 2
+    SAG_FILTER_SINC,     ///< sinc in Lanczos’ window; 4
+} sag_filter_kind;
 
 typedef struct sag_film {
     uint32_t width, height;
@@ -321,7 +332,16 @@ typedef struct sag_film {
     double iso;      ///< 0 counts as 100
     double exposure_seconds;     ///< 0 counts as 1. The picture is scaled by this · iso/100
     double white_balance_kelvin; ///< daylight that becomes white; 0: none for the eye, 6500 for cameras
-    char file[512];              ///< the name the scene asks for; may be empty
+    double filter_b, filter_c;               ///< Mitchell; both 0 count as 1/3
+    double filter_tau;                       ///< sinc; 0 counts as 3
+    /// What part of the picture is made: x_min x_max y_min y_max as shares of width and height, each edge
+    /// rounded up to a pixel; all 0: all of it. Each pixel has the bits that it has in the whole picture.
+    double crop_window[4];
+    /// The same in pixels, first and past the last, for what the crop window leaves open; beyond the film
+    /// counts as its edge.
+    uint32_t pixel_bounds[4];
+    double max_component; ///< a brighter sample is dimmed until its largest component is this; 0: never
+    char file[512];       ///< the name the scene asks for; may be empty
 } sag_film;
 
 /// Where the random numbers come from. Each number is a pure function of seed, pixel, sample and dimension.

@@ -3,6 +3,7 @@
 #include "formats/pbrt.h"
 #include "formats/pbrt_blocks.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -94,8 +95,11 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
         sagi_params_string(params, "mapping",
                            strcmp(name, "environment") == 0 ? "equirectangular" : "equalarea", mapping,
                            sizeof mapping);
-        if (strcmp(mapping, "equirectangular") != 0)
-            sagi_pbrt_warn(p, place, "Camera \"spherical\": the mapping is equirectangular, not %s", mapping);
+        if (strcmp(mapping, "equalarea") == 0)
+            camera.kind = SAG_CAMERA_EQUAL_AREA;
+        else if (strcmp(mapping, "equirectangular") != 0)
+            sagi_params_fail(params, sagi_params_find(params, "mapping", ~0u), "unknown mapping \"%s\"",
+                             mapping);
     }
     sag_world_settings(p->world)->camera = camera;
     return sagi_pbrt_parameters_done(p);
@@ -200,31 +204,37 @@ sag_status sagi_pbrt_pixel_filter(sagi_pbrt *p, sagi_place place) {
     if (status != SAG_OK || p->options->geometry_only) return status;
     sagi_params *params = &p->params;
     sag_film *film = &sag_world_settings(p->world)->film;
-    double radius = 1.5;
-    if (strcmp(name, "box") == 0) {
-        film->filter = SAG_FILTER_BOX;
-        radius = 0.5;
-    } else if (strcmp(name, "triangle") == 0) {
-        film->filter = SAG_FILTER_TRIANGLE;
-        radius = 2;
-    } else if (strcmp(name, "mitchell") == 0 || strcmp(name, "sinc") == 0) {
-        film->filter = SAG_FILTER_GAUSSIAN;
-        sagi_pbrt_warn(p, place, "PixelFilter \"%s\" is not supported: a Gaussian takes its place", name);
-        sagi_pbrt_ignore(p, "xradius", NULL), sagi_pbrt_ignore(p, "yradius", NULL);
-        sagi_pbrt_ignore(p, "B", NULL), sagi_pbrt_ignore(p, "C", NULL), sagi_pbrt_ignore(p, "tau", NULL);
-        film->filter_radius_x = film->filter_radius_y = radius;
-        return sagi_pbrt_parameters_done(p);
-    } else if (strcmp(name, "gaussian") == 0) {
-        film->filter = SAG_FILTER_GAUSSIAN;
-    } else {
-        return unknown(p, place, "pixel filter", name);
-    }
-    film->filter_radius_x = sagi_params_float(params, "xradius", radius);
-    film->filter_radius_y = sagi_params_float(params, "yradius", radius);
+    static const struct {
+        const char *name;
+        sag_filter_kind kind;
+        double radius;
+    } kinds[] = {
+        {"gaussian", SAG_FILTER_GAUSSIAN, 1.5}, {"box", SAG_FILTER_BOX, 0.5},
+        {"triangle", SAG_FILTER_TRIANGLE, 2},   {"mitchell", SAG_FILTER_MITCHELL, 2},
+        {"sinc", SAG_FILTER_SINC, 4},
+    };
+    size_t kind = 0;
+    const size_t kind_count = sizeof kinds / sizeof *kinds;
+    while (kind < kind_count && strcmp(name, kinds[kind].name) != 0) kind++;
+    if (kind == kind_count) return unknown(p, place, "pixel filter", name);
+    film->filter = kinds[kind].kind;
+    film->filter_radius_x = sagi_params_float(params, "xradius", kinds[kind].radius);
+    film->filter_radius_y = sagi_params_float(params, "yradius", kinds[kind].radius);
     film->filter_sigma = film->filter == SAG_FILTER_GAUSSIAN ? sagi_params_float(params, "sigma", 0.5) : 0;
+    film->filter_tau = film->filter == SAG_FILTER_SINC ? sagi_params_float(params, "tau", 3) : 0;
+    if (film->filter == SAG_FILTER_MITCHELL) {
+        film->filter_b = sagi_params_float(params, "B", 1.0 / 3);
+        film->filter_c = sagi_params_float(params, "C", 1.0 / 3);
+        // Both 0 would be taken for the default.
+        if (film->filter_b == 0 && film->filter_c == 0) film->filter_c = DBL_MIN;
+    }
     if (!(film->filter_radius_x > 0 && film->filter_radius_y > 0 && film->filter_radius_x <= 64 &&
           film->filter_radius_y <= 64))
         return sagi_params_fail(params, NULL, "the radius must be in (0, 64]");
+    if (film->filter == SAG_FILTER_GAUSSIAN && !(film->filter_sigma > 0))
+        return sagi_params_fail(params, NULL, "sigma must be positive");
+    if (film->filter == SAG_FILTER_SINC && !(film->filter_tau > 0))
+        return sagi_params_fail(params, NULL, "tau must be positive");
     return sagi_pbrt_parameters_done(p);
 }
 

@@ -3,10 +3,13 @@
 //
 // Perspective: the film stands at z = 1, its shorter side 2 tan(fov/2) long. With a lens, all rays through a
 // film point meet where the pinhole's ray pierces the plane of focus z = f: the point that is seen sharp.
-// Environment: longitude runs 0 … 2π from left to right, starting at +x and turning towards +z; the polar
-// angle 0 … π from top to bottom, from +y.
+// So also orthographic (where pbrt lets all rays start on one lens in the middle of the film, and thus makes
+// a perspective picture of it). Environment: longitude runs 0 … 2π from left to right, starting at +x and
+// turning towards +z; the polar angle 0 … π from top to bottom, from +y. Equal area: Clarberg's map
+// (warp.c), whose middle is +y and whose rim is −y; what filters reach beyond the rim is folded back.
 #include "camera.h"
 
+#include "math/elementary.h"
 #include "math/map.h"
 #include "warp.h"
 
@@ -42,7 +45,7 @@ sag_status sagi_camera_init(sagi_camera *camera, const sag_camera *description, 
         x_min = -x_max;
         y_min = -y_max;
     }
-    double scale = description->kind == SAG_CAMERA_PERSPECTIVE ? tan(fov / 2) : 1;
+    double scale = description->kind == SAG_CAMERA_PERSPECTIVE ? sagi_tan(fov / 2) : 1;
     camera->x_min = x_min * scale;
     camera->y_max = y_max * scale;
     camera->x_per_pixel = (x_max - x_min) * scale / width;
@@ -53,12 +56,27 @@ sag_status sagi_camera_init(sagi_camera *camera, const sag_camera *description, 
 }
 
 bool sagi_camera_has_lens(const sagi_camera *camera) {
-    return camera->camera.lens_radius > 0 && camera->camera.kind != SAG_CAMERA_ENVIRONMENT;
+    const sag_camera_kind kind = camera->camera.kind;
+    return camera->camera.lens_radius > 0 &&
+           (kind == SAG_CAMERA_PERSPECTIVE || kind == SAG_CAMERA_ORTHOGRAPHIC);
 }
 
 static sag_vec3 environment_direction(const sagi_camera *camera, double x, double y) {
     double theta = SAGI_RENDER_PI * y / camera->height, phi = 2 * SAGI_RENDER_PI * x / camera->width;
-    return sag_vec3_make(sin(theta) * cos(phi), cos(theta), sin(theta) * sin(phi));
+    double sin_theta, cos_theta, sin_phi, cos_phi;
+    sagi_sincos(theta, &sin_theta, &cos_theta);
+    sagi_sincos(phi, &sin_phi, &cos_phi);
+    return sag_vec3_make(sin_theta * cos_phi, cos_theta, sin_theta * sin_phi);
+}
+
+// The map's edges are each folded in its middle: past an edge one comes in again, mirrored, on the same edge.
+static sag_vec3 equal_area_direction(const sagi_camera *camera, double x, double y) {
+    double u = x / camera->width, v = y / camera->height;
+    if (u < 0 || u > 1) u = u < 0 ? -u : 2 - u, v = 1 - v;
+    if (v < 0 || v > 1) v = v < 0 ? -v : 2 - v, u = 1 - u;
+    u = fmin(fmax(u, 0), 1), v = fmin(fmax(v, 0), 1); // a filter wider than the film
+    const sag_vec3 d = sagi_equal_area_to_sphere((sag_vec2){u, v});
+    return sag_vec3_make(d.x, d.z, d.y);
 }
 
 sag_ray sagi_camera_ray(const sagi_camera *camera, double x, double y, sag_vec2 lens) {
@@ -69,6 +87,7 @@ sag_ray sagi_camera_ray(const sagi_camera *camera, double x, double y, sag_vec2 
     case SAG_CAMERA_PERSPECTIVE: direction = sag_vec3_make(on_film.x, on_film.y, 1); break;
     case SAG_CAMERA_ORTHOGRAPHIC: origin = on_film; break;
     case SAG_CAMERA_ENVIRONMENT: direction = environment_direction(camera, x, y); break;
+    case SAG_CAMERA_EQUAL_AREA: direction = equal_area_direction(camera, x, y); break;
     }
     if (sagi_camera_has_lens(camera)) {
         sag_vec2 disk = sagi_warp_disk(lens);

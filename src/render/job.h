@@ -4,7 +4,11 @@
 #define SAGI_RENDER_JOB_H
 
 #include "camera.h"
+<<<<<<< HEAD
 #include "sensor.h"
+=======
+#include "filter.h"
+>>>>>>> a3b08b4 (render: filters by importance with weights; equal-area camera)
 #include "wave.h"
 
 #include <stdatomic.h>

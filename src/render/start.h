@@ -14,14 +14,14 @@ static inline sag_vec2 sagi_independent_2d(sagi_sampler *sampler) {
     return (sag_vec2){(double)(random >> 32) * 0x1p-32, (double)(random & 0xFFFFFFFFu) * 0x1p-32};
 }
 
-static inline sag_vec2 sagi_filter_offset(const sagi_filter *filter, sag_vec2 u) {
-    if (filter->kind != SAG_FILTER_BOX) return sagi_filter_sample(filter, u);
-    return (sag_vec2){(2 * u.x - 1) * filter->radius_x, (2 * u.y - 1) * filter->radius_y};
+static inline sagi_filter_sample sagi_filter_point(const sagi_filter *filter, sag_vec2 u) {
+    if (filter->kind != SAG_FILTER_BOX) return sagi_filter_draw(filter, u);
+    return (sagi_filter_sample){{(2 * u.x - 1) * filter->radius_x, (2 * u.y - 1) * filter->radius_y}, 1};
 }
 
-// The sampler is of this pixel already. (Number by number into *ray: a whole that is copied at once would
+// The sampler is of this pixel already. Returns the sample's weight in the pixel. (Number by number into *ray: a whole that is copied at once would
 // have to wait for its parts.)
-static inline void sagi_camera_sample(const sag_render *render, sagi_sampler *sampler, uint32_t x, uint32_t y,
+static inline double sagi_camera_sample(const sag_render *render, sagi_sampler *sampler, uint32_t x, uint32_t y,
                                       uint32_t sample, sag_ray *ray) {
     const sagi_camera *camera = &render->camera;
     sag_vec2 u;
@@ -33,8 +33,8 @@ static inline void sagi_camera_sample(const sag_render *render, sagi_sampler *sa
         sagi_sampler_start_sample(sampler, sample);
         u = sagi_sampler_pixel(sampler);
     }
-    const sag_vec2 offset = sagi_filter_offset(&render->filter, u);
-    const double film_x = x + 0.5 + offset.x, film_y = y + 0.5 + offset.y;
+    const sagi_filter_sample point = sagi_filter_point(&render->filter, u);
+    const double film_x = x + 0.5 + point.offset.x, film_y = y + 0.5 + point.offset.y;
     if (camera->pinhole) {
         const double on_film[2] = {camera->x_min + film_x * camera->x_per_pixel,
                                    camera->y_max - film_y * camera->y_per_pixel};
@@ -49,6 +49,7 @@ static inline void sagi_camera_sample(const sag_render *render, sagi_sampler *sa
         *ray = sagi_camera_ray(camera, film_x, film_y, lens);
     }
     ray->mask = SAG_RAY_CAMERA;
+    return point.weight;
 }
 
 #endif

@@ -84,6 +84,49 @@ static void environment_sees_all_directions(void **state) {
     NEAR(sagi_camera_ray(&camera, 200, 100, no_lens).direction.x, -1);
 }
 
+static void orthographic_lens_is_sharp_at_its_distance(void **state) {
+    (void)state;
+    rng r = rng_make(5);
+    sag_camera description = {.kind = SAG_CAMERA_ORTHOGRAPHIC,
+                              .to_world = sag_affine_identity(),
+                              .lens_radius = 0.5,
+                              .focal_distance = 4};
+    sagi_camera camera = make(description, 64, 64);
+    for (int i = 0; i < 200; i++) {
+        const double x = rng_uniform(&r, 0, 64), y = rng_uniform(&r, 0, 64);
+        const sag_ray ray = sagi_camera_ray(&camera, x, y, (sag_vec2){rng_unit(&r), rng_unit(&r)});
+        const sag_vec3 p = sag_ray_at(&ray, 4 / ray.direction.z);
+        NEAR(p.x, x / 32 - 1), NEAR(p.y, 1 - y / 32), NEAR(ray.origin.z, 0);
+    }
+}
+
+// The middle looks up (y), the corners down; the middles of the edges along x and z; each pixel sees the same
+// solid angle; beyond an edge the picture goes on, mirrored in the edge's middle.
+static void equal_area_sees_all_directions_evenly(void **state) {
+    (void)state;
+    sag_camera description = {.kind = SAG_CAMERA_EQUAL_AREA, .to_world = sag_affine_identity()};
+    sagi_camera camera = make(description, 32, 32);
+    NEAR(sagi_camera_ray(&camera, 16, 16, no_lens).direction.y, 1);
+    NEAR(sagi_camera_ray(&camera, 0, 0, no_lens).direction.y, -1);
+    NEAR(sagi_camera_ray(&camera, 32, 0, no_lens).direction.y, -1);
+    NEAR(sagi_camera_ray(&camera, 32, 16, no_lens).direction.x, 1);
+    NEAR(sagi_camera_ray(&camera, 16, 32, no_lens).direction.z, 1);
+    NEAR(sagi_camera_ray(&camera, 16, 0, no_lens).direction.z, -1);
+    for (uint32_t y = 0; y < 32; y++) {
+        for (uint32_t x = 0; x < 32; x++) { // the area of the quadrangle as two triangles, to first order
+            const sag_vec3 a = sagi_camera_ray(&camera, x, y, no_lens).direction;
+            const sag_vec3 b = sagi_camera_ray(&camera, x + 1, y, no_lens).direction;
+            const sag_vec3 c = sagi_camera_ray(&camera, x + 1, y + 1, no_lens).direction;
+            const sag_vec3 d = sagi_camera_ray(&camera, x, y + 1, no_lens).direction;
+            const double area = sag_length(sag_cross(sag_sub(c, a), sag_sub(d, b))) / 2;
+            assert_true(fabs(area * 1024 / (4 * SAGI_RENDER_PI) - 1) < 0.02);
+        }
+    }
+    const sag_vec3 out = sagi_camera_ray(&camera, 33, 5, no_lens).direction,
+                   in = sagi_camera_ray(&camera, 31, 27, no_lens).direction;
+    assert_true(out.x == in.x && out.y == in.y && out.z == in.z);
+}
+
 static void look_at_puts_up_upward(void **state) {
     (void)state;
     sag_vec3 up = {0, 3, 0}, eye = {0, 5, 10}, target = {0, 0, 0};
@@ -121,6 +164,8 @@ int main(void) {
         cmocka_unit_test(rays_through_a_lens_meet_where_it_is_sharp),
         cmocka_unit_test(orthographic_rays_are_parallel),
         cmocka_unit_test(environment_sees_all_directions),
+        cmocka_unit_test(orthographic_lens_is_sharp_at_its_distance),
+        cmocka_unit_test(equal_area_sees_all_directions_evenly),
         cmocka_unit_test(look_at_puts_up_upward),
         cmocka_unit_test(impossible_cameras_are_errors),
     };

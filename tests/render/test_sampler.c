@@ -9,7 +9,6 @@
 #include <cmocka.h>
 // clang-format on
 #include "render/distribution.h"
-#include "render/film.h"
 #include "render/sampler.h"
 #include "render/warp.h"
 #include "support/random.h"
@@ -447,40 +446,6 @@ static void alias_table_has_its_weights(void **state) {
     sag_context_destroy(context);
 }
 
-// The second moment of each filter, by sampling, beside its integral.
-static void filters_have_their_spread(void **state) {
-    (void)state;
-    const sag_filter_kind filters[] = {SAG_FILTER_BOX, SAG_FILTER_TRIANGLE, SAG_FILTER_GAUSSIAN};
-    for (int f = 0; f < 3; f++) {
-        sag_film film = {.filter = filters[f], .filter_radius_x = 1.5, .filter_radius_y = 0.75};
-        sagi_filter filter;
-        assert_int_equal(sagi_filter_init(&filter, &film, NULL), SAG_OK);
-        double radii[] = {1.5, 0.75}, expected[2], found[2] = {0, 0};
-        for (int axis = 0; axis < 2; axis++) {
-            double weight = 0, moment = 0;
-            for (int i = 0; i < 10000; i++) {
-                double r = radii[axis], x = r * (i + 0.5) / 10000, g = 1;
-                if (f == 1) g = r - x;
-                if (f == 2) g = exp(-2 * x * x) - exp(-2 * r * r);
-                weight += g;
-                moment += g * x * x;
-            }
-            expected[axis] = moment / weight;
-        }
-        for (int i = 0; i < 256; i++)
-            for (int j = 0; j < 256; j++) {
-                sag_vec2 p = sagi_filter_sample(&filter, (sag_vec2){(i + 0.5) / 256, (j + 0.5) / 256});
-                assert_true(fabs(p.x) <= 1.5 && fabs(p.y) <= 0.75);
-                found[0] += p.x * p.x / 65536;
-                found[1] += p.y * p.y / 65536;
-            }
-        for (int axis = 0; axis < 2; axis++) assert_true(fabs(found[axis] / expected[axis] - 1) < 2e-3);
-    }
-    sag_film bad = {.filter_radius_x = NAN};
-    sagi_filter filter;
-    assert_int_equal(sagi_filter_init(&filter, &bad, NULL), SAG_ERROR_ARGUMENT);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_uniform),
@@ -499,7 +464,6 @@ int main(void) {
         cmocka_unit_test(permutations_are_bijections),
         cmocka_unit_test(equal_area_map_is_its_own_inverse_and_keeps_areas),
         cmocka_unit_test(alias_table_has_its_weights),
-        cmocka_unit_test(filters_have_their_spread),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
