@@ -123,6 +123,24 @@ static int read_size(const tool_command *command, const option *o, const char *v
     return 0;
 }
 
+// As X11 and ImageMagick write a part of a picture.
+static int read_crop(const tool_command *command, const option *o, const char *value) {
+    static const char after[4] = {'x', '+', '+', 0};
+    uint32_t *crop = o->target;
+    bool good = true;
+    const char *at = value;
+    for (int i = 0; i < 4 && good; i++) {
+        char *end = NULL;
+        good = *at >= '0' && *at <= '9';
+        const unsigned long long n = good ? strtoull(at, &end, 10) : 0;
+        good = good && *end == after[i] && n <= SAG_MAX_IMAGE_SIZE && (i >= 2 || n >= 1);
+        if (good) crop[i] = (uint32_t)n, at = end + 1;
+    }
+    if (good) return 0;
+    usage_error(command->name, "--%s %s: expected WIDTHxHEIGHT+X+Y in pixels", o->name, value);
+    return -1;
+}
+
 static int read_choice(const tool_command *command, const option *o, const char *value) {
     char list[160] = "";
     for (int i = 0; o->choices[i]; i++) {
@@ -155,6 +173,7 @@ static int read_value(const tool_command *command, const option *o, const char *
     case OPTION_COUNT: return read_count(command, o, value);
     case OPTION_NUMBER: return read_number(command, o, value);
     case OPTION_SIZE: return read_size(command, o, value);
+    case OPTION_CROP: return read_crop(command, o, value);
     case OPTION_CHOICE: return read_choice(command, o, value);
     }
     return -1;

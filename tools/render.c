@@ -21,6 +21,8 @@ static const char help[] =
     "                       scene gives, or FILE's with .png, in the current directory\n"
     "      --spp N          samples a pixel\n"
     "      --size WxH       width and height in pixels\n"
+    "      --crop WxH+X+Y   only W x H pixels from column X and row Y of the picture on, the same bits\n"
+    "      --max-component V  dim samples brighter than V: fewer fireflies, but darker than the truth\n"
     "      --integrator I   path (all light, the default), direct (one bounce), ao (ambient occlusion), "
     "normal, uv,\n"
     "                       depth (linear distance), id (a colour for each geometry), albedo\n"
@@ -34,7 +36,8 @@ static const char help[] =
 typedef struct render_options {
     const char *file, *output, *stats;
     uint64_t spp, threads, seed;
-    uint32_t size[2];
+    uint32_t size[2], crop[4];
+    double max_component;
     int integrator; // -1: the scene's
     bool quiet, has_seed;
 } render_options;
@@ -84,7 +87,28 @@ static void apply_options(const render_options *o, sag_settings *settings) {
     if (o->spp) settings->samples_per_pixel = (uint32_t)o->spp;
     if (o->size[0]) settings->film.width = o->size[0], settings->film.height = o->size[1];
     if (o->has_seed) settings->seed = o->seed;
+    if (o->max_component > 0) settings->film.max_component = o->max_component;
+    if (o->crop[0]) {
+        sag_film *film = &settings->film;
+        memset(film->crop_window, 0, sizeof film->crop_window);
+        for (int i = 0; i < 2; i++) {
+            film->pixel_bounds[2 * i] = o->crop[2 + i];
+            film->pixel_bounds[2 * i + 1] = o->crop[2 + i] + o->crop[i];
+        }
+    }
     if (o->integrator >= 0) settings->integrator = (sag_integrator_kind)o->integrator;
+}
+
+// "first_bad_samples": [[x, y, sample], ...]
+static bool add_bad_samples(cJSON *json, const sag_render_stats *stats) {
+    cJSON *list = cJSON_AddArrayToObject(json, "first_bad_samples");
+    bool good = list != NULL;
+    for (uint32_t i = 0; i < stats->bad_told && good; i++) {
+        const int numbers[3] = {(int)stats->bad[i].x, (int)stats->bad[i].y, (int)stats->bad[i].sample};
+        cJSON *item = cJSON_CreateIntArray(numbers, 3);
+        good = item && cJSON_AddItemToArray(list, item);
+    }
+    return good;
 }
 
 static sag_status write_stats(const render_options *o, sag_world *world, const sag_render *render,
@@ -128,6 +152,7 @@ static sag_status write_stats(const render_options *o, sag_world *world, const s
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && good; i++) {
         good = cJSON_AddNumberToObject(json, numbers[i].name, numbers[i].value) != NULL;
     }
+    if (good) good = add_bad_samples(json, &r);
     char *text = good ? cJSON_Print(json) : NULL;
     cJSON_Delete(json);
     if (!text) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for %s", o->stats);
@@ -154,8 +179,12 @@ static void say_what_was_made(sag_world *world, const sag_render *render, const 
             sag_context_thread_count(sag_world_context(world)) == 1 ? "" : "s",
             text_seconds(load, load_seconds), text_seconds(build, r.build_seconds));
     if (r.bad_samples) {
-        fprintf(stderr, "sagitta: warning: %s of the samples were not numbers and were dropped\n",
+        fprintf(stderr, "sagitta: warning: %s of the samples were not numbers and were dropped:",
                 text_count(bad, r.bad_samples));
+        for (uint32_t i = 0; i < r.bad_told; i++)
+            fprintf(stderr, "%s pixel (%u, %u) sample %u", i ? "," : "", r.bad[i].x, r.bad[i].y,
+                    r.bad[i].sample);
+        fprintf(stderr, "%s\n", r.bad_samples > r.bad_told ? ", ..." : "");
     }
 }
 
@@ -253,6 +282,12 @@ static int run(const tool_command *command, int argc, char **argv) {
         {.name = "output", .letter = 'o', .kind = OPTION_TEXT, .target = &o.output},
         {.name = "spp", .kind = OPTION_COUNT, .target = &o.spp, .minimum = 1, .maximum = 1000000000},
         {.name = "size", .kind = OPTION_SIZE, .target = o.size},
+        {.name = "crop", .kind = OPTION_CROP, .target = o.crop},
+        {.name = "max-component",
+         .kind = OPTION_NUMBER,
+         .target = &o.max_component,
+         .least = 0,
+         .most = INFINITY},
         {.name = "integrator", .kind = OPTION_CHOICE, .target = &o.integrator, .choices = integrators},
         {.name = "seed", .kind = OPTION_COUNT, .target = &o.seed, .minimum = 0, .maximum = UINT64_MAX - 1},
         {.name = "threads", .kind = OPTION_COUNT, .target = &o.threads, .minimum = 0, .maximum = 4096},

@@ -32,6 +32,7 @@ typedef enum option_kind {
     OPTION_COUNT,  // a whole number in [minimum, maximum]; *(uint64_t *)target
     OPTION_NUMBER, // between `least` and `most`, both excluded; *(double *)target
     OPTION_SIZE,   // WxH; (uint32_t *)target, two of them
+    OPTION_CROP,   // WxH+X+Y; (uint32_t *)target, four of them: width, height, x, y
     OPTION_CHOICE, // one of `choices`; *(int *)target becomes its index
 } option_kind;
 

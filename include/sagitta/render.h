@@ -332,8 +332,8 @@ typedef struct sag_film {
     double iso;      ///< 0 counts as 100
     double exposure_seconds;     ///< 0 counts as 1. The picture is scaled by this · iso/100
     double white_balance_kelvin; ///< daylight that becomes white; 0: none for the eye, 6500 for cameras
-    double filter_b, filter_c;               ///< Mitchell; both 0 count as 1/3
-    double filter_tau;                       ///< sinc; 0 counts as 3
+    double filter_b, filter_c;   ///< Mitchell; both 0 count as 1/3
+    double filter_tau;           ///< sinc; 0 counts as 3
     /// What part of the picture is made: x_min x_max y_min y_max as shares of width and height, each edge
     /// rounded up to a pixel; all 0: all of it. Each pixel has the bits that it has in the whole picture.
     double crop_window[4];
@@ -447,10 +447,20 @@ typedef struct sag_progress {
 /// render.
 typedef bool (*sag_progress_callback)(void *user, const sag_progress *progress);
 
+/// A sample of a pixel of the (whole) film: `sagitta render --crop 1x1+X+Y` takes it again.
+typedef struct sag_bad_sample {
+    uint32_t x, y, sample;
+} sag_bad_sample;
+
+/// How many of the bad samples are told.
+#define SAG_BAD_SAMPLES 8
+
 typedef struct sag_render_stats {
     uint64_t rays;           ///< traced, shadow rays included
     uint64_t camera_samples; ///< taken
-    uint64_t bad_samples;    ///< NaN or infinite: counted and dropped
+    uint64_t bad_samples;    ///< NaN or infinite: counted and dropped, the pixel is the mean of the others
+    uint32_t bad_told;       ///< how many are in bad[]
+    sag_bad_sample bad[SAG_BAD_SAMPLES]; ///< the first ones, by row, column and sample
     double build_seconds, trace_seconds;
 } sag_render_stats;
 

@@ -105,6 +105,39 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
     return sagi_pbrt_parameters_done(p);
 }
 
+// "cropwindow" [x0 x1 y0 y1] in shares of the film goes before "pixelbounds", as in pbrt.
+static void read_bounds(sagi_pbrt *p, sagi_place place, sag_film *film) {
+    sagi_params *params = &p->params;
+    size_t count;
+    memset(film->crop_window, 0, sizeof film->crop_window);
+    memset(film->pixel_bounds, 0, sizeof film->pixel_bounds);
+    const double *bounds = sagi_params_numbers(params, "pixelbounds", SAGI_TYPE_INTEGER, 4, &count);
+    if (count != 0 &&
+        (count != 4 || !(bounds[0] < bounds[1] && bounds[2] < bounds[3] && bounds[1] > 0 && bounds[3] > 0 &&
+                         bounds[0] < film->width && bounds[2] < film->height))) {
+        sagi_params_fail(params, sagi_params_find(params, "pixelbounds", ~0u),
+                         "\"pixelbounds\" must be four whole numbers, x0 x1 y0 y1, with pixels between");
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t size = i < 2 ? film->width : film->height;
+        film->pixel_bounds[i] = bounds[i] < 0 ? 0 : bounds[i] > size ? size : (uint32_t)bounds[i];
+    }
+    const bool bounded = count != 0;
+    const double *window = sagi_params_numbers(params, "cropwindow", SAGI_TYPE_FLOAT, 4, &count);
+    if (count == 0) return;
+    for (int i = 0; i < 4 && count == 4; i += 2) {
+        film->crop_window[i] = fmin(fmax(fmin(window[i], window[i + 1]), 0), 1);
+        film->crop_window[i + 1] = fmin(fmax(fmax(window[i], window[i + 1]), 0), 1);
+    }
+    const double *w = film->crop_window;
+    if (count != 4 || !(ceil(w[0] * film->width) < ceil(w[1] * film->width) &&
+                        ceil(w[2] * film->height) < ceil(w[3] * film->height)))
+        sagi_params_fail(params, sagi_params_find(params, "cropwindow", ~0u),
+                         "\"cropwindow\" must be four numbers, x0 x1 y0 y1, with pixels between");
+    if (bounded) sagi_pbrt_warn(p, place, "Film: of \"pixelbounds\" and \"cropwindow\" the latter counts");
+}
+
 sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
     char name[64];
     const sag_status status = read_named(p, place, "Film", name, sizeof name);
@@ -132,9 +165,13 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
                          film->sensor);
     sagi_pbrt_ignore(p, "diagonal", NULL);
     sagi_pbrt_ignore(p, "savefp16", NULL);
-    const char *const missing[] = {"cropwindow", "pixelbounds", "maxcomponentvalue", "coordinatesystem"};
-    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
-        sagi_pbrt_ignore(p, missing[i], "is not supported");
+    sagi_pbrt_ignore(p, "coordinatesystem", "is not supported");
+    read_bounds(p, place, film);
+    const double most = sagi_params_float(params, "maxcomponentvalue", INFINITY);
+    if (!(most > 0))
+        sagi_params_fail(params, sagi_params_find(params, "maxcomponentvalue", ~0u), "maxcomponentvalue %g",
+                         most);
+    film->max_component = isfinite(most) ? most : 0;
     return sagi_pbrt_parameters_done(p);
 }
 

@@ -7,16 +7,28 @@
 
 // The running sum of one pixel. One thread owns a pixel and adds its samples in order.
 typedef struct sagi_pixel {
-    double r, g, b;
+    double r, g, b; // weighted
+    double weight;
     uint32_t count; // samples summed: bad ones are not
 } sagi_pixel;
 
-// Adds a sample; false, adding nothing, for one that is not finite.
-static inline bool sagi_pixel_add(sagi_pixel *pixel, sag_rgb value) {
+// Adds a sample, dimmed until no component exceeds `most`; false, adding nothing, for one that is not finite.
+static inline bool sagi_pixel_add(sagi_pixel *pixel, double weight, sag_rgb value, double most) {
     if (!sagi_rgb_is_finite(value)) return false;
-    pixel->r += value.r, pixel->g += value.g, pixel->b += value.b;
+    const double largest = sagi_rgb_max(value);
+    if (largest > most) value = sagi_rgb_scale(value, most / largest);
+    pixel->r += weight * value.r, pixel->g += weight * value.g, pixel->b += weight * value.b;
+    pixel->weight += weight;
     pixel->count++;
     return true;
+}
+
+// What the sums are to be divided by. The sum of the weights: so what is the same everywhere stays the same,
+// whatever the weights. But a few samples of a filter that is negative in part may weigh next to nothing
+// together: then what they weigh on the average.
+static inline double sagi_pixel_weight(const sagi_pixel *pixel, double mean_weight) {
+    const double expected = pixel->count * mean_weight;
+    return fabs(pixel->weight) > expected / 4 ? pixel->weight : expected;
 }
 
 #endif

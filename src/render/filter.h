@@ -9,9 +9,9 @@
 
 // One half of a curve f over [0, radius] in cells of equal width, drawn from by |∫f| over each.
 typedef struct sagi_filter_curve {
-    double cdf[SAGI_FILTER_CELLS + 1];  // from 0 to 1
-    uint16_t guide[SAGI_FILTER_CELLS];  // the cell that the number i/SAGI_FILTER_CELLS falls into
-    bool negative[SAGI_FILTER_CELLS];   // the cell's integral
+    double cdf[SAGI_FILTER_CELLS + 1]; // from 0 to 1
+    uint16_t guide[SAGI_FILTER_CELLS]; // the cell that the number i/SAGI_FILTER_CELLS falls into
+    bool negative[SAGI_FILTER_CELLS];  // the cell's integral
 } sagi_filter_curve;
 
 // The product of the same kind of curve in x and in y.

@@ -15,22 +15,22 @@ void sagi_glance_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t 
     sagi_sampler sampler = wave->render->sampler;
     sagi_sampler_start_pixel(&sampler, x, y);
     for (uint32_t sample = first; sample < end; sample++) {
-        wave->pixels[wave->path_count] = pixel;
-        sagi_camera_sample(wave->render, &sampler, x, y, sample, &wave->rays[wave->path_count++]);
+        const double weight =
+            sagi_camera_sample(wave->render, &sampler, x, y, sample, &wave->rays[wave->path_count]);
+        wave->glances[wave->path_count++] = (sagi_glance){pixel, weight, sample};
     }
 }
 
-uint32_t sagi_glance_finish(sagi_wave *wave) {
-    const bool depth = wave->render->settings.integrator == SAG_INTEGRATOR_DEPTH;
-    uint32_t bad = 0;
+void sagi_glance_finish(sag_render *render, sagi_wave *wave) {
+    const bool depth = render->settings.integrator == SAG_INTEGRATOR_DEPTH;
     wave->rays_traced += wave->path_count;
-    sag_intersect_batch(wave->render->scene, wave->rays, wave->hits, wave->path_count);
+    sag_intersect_batch(render->scene, wave->rays, wave->hits, wave->path_count);
     for (uint32_t i = 0; i < wave->path_count; i++) {
         const sag_hit *hit = &wave->hits[i];
         sag_rgb value = {0, 0, 0};
         if (hit->geometry != SAG_INVALID_ID) value = depth ? sagi_rgb_grey(hit->t) : sagi_id_color(hit);
-        bad += !sagi_pixel_add(wave->pixels[i], value);
+        const sagi_glance *glance = &wave->glances[i];
+        sagi_film_add(render, glance->pixel, glance->sample, glance->pixel_weight, value);
     }
     wave->path_count = 0;
-    return bad;
 }

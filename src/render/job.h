@@ -4,11 +4,8 @@
 #define SAGI_RENDER_JOB_H
 
 #include "camera.h"
-<<<<<<< HEAD
-#include "sensor.h"
-=======
 #include "filter.h"
->>>>>>> a3b08b4 (render: filters by importance with weights; equal-area camera)
+#include "sensor.h"
 #include "wave.h"
 
 #include <stdatomic.h>
@@ -30,10 +27,13 @@ struct sag_render {
     sagi_wavelength_table wavelengths;
     bool see_through; // some geometry has alpha or an interface material: rays may have to go on
 
-    uint32_t width, height, tiles_x, tiles_y;
-    sagi_pixel *pixels;  // width·height
-    uint32_t *tile_done; // samples taken of each pixel of a tile
+    uint32_t width, height, tiles_x, tiles_y; // of what is made of the film
+    uint32_t first_x, first_y;                // its first pixel on the film
+    double max_component;                     // of a sample
+    sagi_pixel *pixels;                       // width·height
+    uint32_t *tile_done;                      // samples taken of each pixel of a tile
     atomic_uint_fast64_t rays, camera_samples, bad_samples;
+    atomic_uint_fast64_t first_bad[SAG_BAD_SAMPLES]; // row, column and number, sorted; all ones: none
     double build_seconds, trace_seconds;
     sagi_wave *waves;    // one for each thread that takes part
     uint32_t wave_count; // of threads
@@ -49,6 +49,19 @@ struct sag_render {
     double next_report;
     atomic_bool cancelled;
 };
+
+// What of the film is to be made: the first column and row, and the size. SAG_ERROR_ARGUMENT when nothing is
+// left of it.
+typedef struct sagi_bounds {
+    uint32_t x, y, width, height;
+} sagi_bounds;
+sag_status sagi_film_bounds(const sag_film *film, sagi_bounds *bounds, sag_error *error);
+// Adds a sample to its pixel; one that is not finite is noted instead.
+void sagi_film_add(sag_render *render, sagi_pixel *pixel, uint32_t sample, double weight, sag_rgb value);
+// What all samples so far make of a pixel.
+sag_rgb sagi_film_value(const sag_render *render, const sagi_pixel *pixel);
+// The first few samples that were not finite, as sag_render_stats has them.
+uint32_t sagi_film_first_bad(const sag_render *render, sag_bad_sample bad[SAG_BAD_SAMPLES]);
 
 // Whether samples are light by wavelength, which the sensor makes numbers of.
 static inline bool sagi_is_spectral(const sag_render *render) {

@@ -64,15 +64,20 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     if (status == SAG_OK)
         sagi_footprint_init(&render->footprint, &render->camera, render->settings.samples_per_pixel);
     if (status == SAG_OK) status = sagi_sensor_init(&render->sensor, film, error);
+    sagi_bounds bounds = {0};
+    if (status == SAG_OK) status = sagi_film_bounds(film, &bounds, error);
+    if (status == SAG_OK && !(film->max_component >= 0))
+        status = sag_error_set(error, SAG_ERROR_ARGUMENT, "max_component %g", film->max_component);
     if (status == SAG_OK) status = sagi_filter_init(&render->filter, film, error);
     if (status == SAG_OK) status = sagi_sampler_plan_init(&render->sampler_plan, &render->settings, error);
     if (status != SAG_OK) return status;
     render->sampler.plan = &render->sampler_plan;
     sagi_wavelength_table_init(&render->wavelengths);
-    render->width = film->width;
-    render->height = film->height;
-    render->tiles_x = (film->width + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
-    render->tiles_y = (film->height + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
+    render->max_component = film->max_component > 0 ? film->max_component : INFINITY;
+    render->first_x = bounds.x, render->first_y = bounds.y;
+    render->width = bounds.width, render->height = bounds.height;
+    render->tiles_x = (render->width + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
+    render->tiles_y = (render->height + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;
     size_t pixel_bytes = (size_t)render->width * render->height * sizeof *render->pixels;
     size_t tile_bytes = (size_t)render->tiles_x * render->tiles_y * sizeof *render->tile_done;
     render->pixels = sag_allocate(render->context, pixel_bytes);
@@ -99,6 +104,7 @@ sag_render *sag_render_create(sag_world *world, sag_error *error) {
     atomic_init(&render->rays, 0);
     atomic_init(&render->camera_samples, 0);
     atomic_init(&render->bad_samples, 0);
+    for (int i = 0; i < SAG_BAD_SAMPLES; i++) atomic_init(&render->first_bad[i], UINT64_MAX);
     atomic_init(&render->cancelled, false);
     atomic_init(&render->next_tile, 0);
     atomic_flag_clear(&render->reporting);
@@ -129,15 +135,19 @@ static sag_rgb path_value(const sag_render *render, const sagi_path *path) {
                                                             : path->shown;
 }
 
-// Follows the wave's paths to their ends and adds each sample to its pixel. Returns how many were not finite.
-static uint32_t finish_wave(sagi_wave *wave, bool glance) {
-    if (glance) return sagi_glance_finish(wave);
-    uint32_t bad = 0;
+// Follows the wave's paths to their ends and adds each sample to its pixel.
+static void finish_wave(sag_render *render, sagi_wave *wave, bool glance) {
+    if (glance) {
+        sagi_glance_finish(render, wave);
+        return;
+    }
     sagi_wave_follow(wave);
-    for (uint32_t i = 0; i < wave->path_count; i++)
-        bad += !sagi_pixel_add(wave->paths[i].pixel, path_value(wave->render, &wave->paths[i]));
+    for (uint32_t i = 0; i < wave->path_count; i++) {
+        const sagi_path *path = &wave->paths[i];
+        sagi_film_add(render, path->pixel, path->sampler.sample, path->pixel_weight,
+                      path_value(render, path));
+    }
     wave->path_count = 0;
-    return bad;
 }
 
 static void report(sag_render *render) {
@@ -170,7 +180,6 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     uint32_t y0 = (uint32_t)(index / render->tiles_x) * SAGI_TILE_SIZE;
     uint32_t x1 = x0 + SAGI_TILE_SIZE < render->width ? x0 + SAGI_TILE_SIZE : render->width;
     uint32_t y1 = y0 + SAGI_TILE_SIZE < render->height ? y0 + SAGI_TILE_SIZE : render->height;
-    uint64_t bad = 0;
     wave->rays_traced = 0;
     const bool glance = sagi_can_glance(render);
     for (uint32_t i = 0; i < SAGI_TILE_SIZE * SAGI_TILE_SIZE; i++) {
@@ -180,14 +189,14 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
         for (uint32_t k = first, next; k < end; k = next) {
             const uint32_t room = render->wave_size - wave->path_count;
             next = end - k < room ? end : k + room;
-            (glance ? sagi_glance_start : sagi_wave_start)(wave, pixel, x, y, k, next);
-            if (wave->path_count == render->wave_size) bad += finish_wave(wave, glance);
+            (glance ? sagi_glance_start : sagi_wave_start)(wave, pixel, render->first_x + x,
+                                                           render->first_y + y, k, next);
+            if (wave->path_count == render->wave_size) finish_wave(render, wave, glance);
         }
     }
-    bad += finish_wave(wave, glance);
+    finish_wave(render, wave, glance);
     render->tile_done[index] = end;
     atomic_fetch_add(&render->rays, wave->rays_traced);
-    atomic_fetch_add(&render->bad_samples, bad);
     atomic_fetch_add(&render->camera_samples, (uint64_t)(x1 - x0) * (y1 - y0) * (end - first));
     report(render);
 }
@@ -238,13 +247,11 @@ sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_
     sag_status status = sag_image_create(render->context, render->width, render->height, 3, &made, error);
     if (status != SAG_OK) return status;
     size_t count = (size_t)render->width * render->height;
-    const bool spectral = sagi_is_spectral(render);
     for (size_t i = 0; i < count; i++) {
-        const sagi_pixel *pixel = &render->pixels[i];
-        double scale = pixel->count ? 1.0 / pixel->count : 0, value[3] = {pixel->r, pixel->g, pixel->b};
-        const double sum[3] = {pixel->r, pixel->g, pixel->b};
-        if (spectral) sagi_matrix_apply(render->sensor.output, sum, value);
-        for (int k = 0; k < 3; k++) made.pixels[3 * i + (size_t)k] = (float)(value[k] * scale);
+        const sag_rgb value = sagi_film_value(render, &render->pixels[i]);
+        made.pixels[3 * i] = (float)value.r;
+        made.pixels[3 * i + 1] = (float)value.g;
+        made.pixels[3 * i + 2] = (float)value.b;
     }
     *image = made;
     return SAG_OK;
@@ -256,4 +263,5 @@ void sag_render_get_stats(const sag_render *render, sag_render_stats *stats) {
                                 .bad_samples = atomic_load(&render->bad_samples),
                                 .build_seconds = render->build_seconds,
                                 .trace_seconds = render->trace_seconds};
+    stats->bad_told = sagi_film_first_bad(render, stats->bad);
 }

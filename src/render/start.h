@@ -19,10 +19,10 @@ static inline sagi_filter_sample sagi_filter_point(const sagi_filter *filter, sa
     return (sagi_filter_sample){{(2 * u.x - 1) * filter->radius_x, (2 * u.y - 1) * filter->radius_y}, 1};
 }
 
-// The sampler is of this pixel already. Returns the sample's weight in the pixel. (Number by number into *ray: a whole that is copied at once would
-// have to wait for its parts.)
-static inline double sagi_camera_sample(const sag_render *render, sagi_sampler *sampler, uint32_t x, uint32_t y,
-                                      uint32_t sample, sag_ray *ray) {
+// The sampler is of this pixel already. Returns the sample's weight in the pixel. (Number by number into
+// *ray: a whole that is copied at once would have to wait for its parts.)
+static inline double sagi_camera_sample(const sag_render *render, sagi_sampler *sampler, uint32_t x,
+                                        uint32_t y, uint32_t sample, sag_ray *ray) {
     const sagi_camera *camera = &render->camera;
     sag_vec2 u;
     if (sampler->plan->kind == SAG_SAMPLER_INDEPENDENT) {

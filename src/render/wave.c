@@ -23,10 +23,10 @@ bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
     wave->shadows = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadows);
     wave->shadow_rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     wave->occluded = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->occluded);
-    wave->pixels = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->pixels);
+    wave->glances = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->glances);
     if (render->see_through) wave->samples = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->samples);
     return (wave->samples || !render->see_through) && wave->paths && wave->active && wave->rays &&
-           wave->pixels && wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
+           wave->glances && wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
 }
 
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
@@ -37,7 +37,7 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
     sag_release(context, wave->shadows, SAGI_WAVE_SIZE * sizeof *wave->shadows);
     sag_release(context, wave->shadow_rays, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     sag_release(context, wave->occluded, SAGI_WAVE_SIZE * sizeof *wave->occluded);
-    sag_release(context, wave->pixels, SAGI_WAVE_SIZE * sizeof *wave->pixels);
+    sag_release(context, wave->glances, SAGI_WAVE_SIZE * sizeof *wave->glances);
     sag_release(context, wave->samples, SAGI_WAVE_SIZE * sizeof *wave->samples);
 }
 
@@ -51,7 +51,8 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
             .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1, 1}, .eta2 = 1, .exact = true};
         sagi_sampler_start_pixel(&path->sampler, x, y);
         wave->active[wave->active_count] = path;
-        sagi_camera_sample(render, &path->sampler, x, y, sample, &wave->rays[wave->active_count++]);
+        path->pixel_weight =
+            sagi_camera_sample(render, &path->sampler, x, y, sample, &wave->rays[wave->active_count++]);
         if (spectral)
             path->wavelengths =
                 sagi_wavelengths_sample(&render->wavelengths, sagi_sampler_1d(&path->sampler));

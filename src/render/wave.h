@@ -14,7 +14,8 @@
 // One sample under way: a path from the camera, and the light it has brought so far.
 typedef struct sagi_path {
     sagi_sampler sampler;
-    sagi_pixel *pixel; // where the sample belongs
+    sagi_pixel *pixel;   // where the sample belongs
+    double pixel_weight; // with which
     sagi_wavelengths wavelengths;
     union {
         struct {
@@ -47,6 +48,13 @@ typedef struct sagi_shadow {
     sagi_spectrum light; // weighted
 } sagi_shadow;
 
+// A sample that is no more than the hit of its ray.
+typedef struct sagi_glance {
+    sagi_pixel *pixel;
+    double pixel_weight;
+    uint32_t sample;
+} sagi_glance;
+
 // The samples one thread follows together; arrays have room for SAGI_WAVE_SIZE. On cache lines of its own, as
 // other threads' waves lie beside it.
 typedef struct sagi_wave {
@@ -64,7 +72,7 @@ typedef struct sagi_wave {
     sag_ray *shadow_rays;
     bool *occluded;
     sagi_light_sample *samples; // what the shadow rays go to; only where they may have to go on, else NULL
-    sagi_pixel **pixels;        // of samples that are no paths (glance.c)
+    sagi_glance *glances;       // samples that are no paths (glance.c)
     uint64_t rays_traced;
 } sagi_wave;
 
@@ -82,12 +90,11 @@ void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *fr
                          const sagi_light_sample *sample, sagi_spectrum light);
 
 // Samples that are no more than the hit of the camera's ray (glance.c): whether this render's are; starting
-// some, as sagi_wave_start does; tracing all that were started and adding them to their pixels, which returns
-// how many were not finite.
+// some, as sagi_wave_start does; tracing all that were started and adding them to their pixels.
 bool sagi_can_glance(const sag_render *render);
 void sagi_glance_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
                        uint32_t end);
-uint32_t sagi_glance_finish(sagi_wave *wave);
+void sagi_glance_finish(sag_render *render, sagi_wave *wave);
 // A bright colour of the hit's ids.
 sag_rgb sagi_id_color(const sag_hit *hit);
 

@@ -113,13 +113,14 @@ static void equal_area_sees_all_directions_evenly(void **state) {
     NEAR(sagi_camera_ray(&camera, 16, 32, no_lens).direction.z, 1);
     NEAR(sagi_camera_ray(&camera, 16, 0, no_lens).direction.z, -1);
     for (uint32_t y = 0; y < 32; y++) {
-        for (uint32_t x = 0; x < 32; x++) { // the area of the quadrangle as two triangles, to first order
-            const sag_vec3 a = sagi_camera_ray(&camera, x, y, no_lens).direction;
-            const sag_vec3 b = sagi_camera_ray(&camera, x + 1, y, no_lens).direction;
-            const sag_vec3 c = sagi_camera_ray(&camera, x + 1, y + 1, no_lens).direction;
-            const sag_vec3 d = sagi_camera_ray(&camera, x, y + 1, no_lens).direction;
+        for (uint32_t x = 0; x < 32; x++) { // a small square within the pixel
+            const double h = 1e-3, x0 = x + 0.4, y0 = y + 0.3;
+            const sag_vec3 a = sagi_camera_ray(&camera, x0, y0, no_lens).direction;
+            const sag_vec3 b = sagi_camera_ray(&camera, x0 + h, y0, no_lens).direction;
+            const sag_vec3 c = sagi_camera_ray(&camera, x0 + h, y0 + h, no_lens).direction;
+            const sag_vec3 d = sagi_camera_ray(&camera, x0, y0 + h, no_lens).direction;
             const double area = sag_length(sag_cross(sag_sub(c, a), sag_sub(d, b))) / 2;
-            assert_true(fabs(area * 1024 / (4 * SAGI_RENDER_PI) - 1) < 0.02);
+            assert_true(fabs(area * 1024 / (h * h) / (4 * SAGI_RENDER_PI) - 1) < 1e-3);
         }
     }
     const sag_vec3 out = sagi_camera_ray(&camera, 33, 5, no_lens).direction,

@@ -10,6 +10,7 @@
 // clang-format on
 #include "support/failing_allocator.h"
 #include "support/picture.h"
+#include <string.h>
 
 // A small scene with a bit of everything, in pixels that do not fill whole tiles.
 static void furnish(studio *s) {
@@ -153,6 +154,23 @@ static void bad_samples_are_counted_and_dropped(void **state) {
     sag_image image = studio_render(&s, &stats);
     assert_true(stats.bad_samples > 0 && stats.bad_samples <= stats.camera_samples);
     for (size_t i = 0; i < 32 * 32 * 3; i++) assert_true(isfinite(image.pixels[i]));
+    sag_image_clear(s.context, &image);
+    // The first of them are told, in order, and each can be shot again by itself.
+    assert_int_equal(stats.bad_told, SAG_BAD_SAMPLES);
+    for (int i = 1; i < SAG_BAD_SAMPLES; i++) {
+        const sag_bad_sample a = stats.bad[i - 1], b = stats.bad[i];
+        assert_true(a.y < b.y || (a.y == b.y && (a.x < b.x || (a.x == b.x && a.sample < b.sample))));
+    }
+    const sag_bad_sample last = stats.bad[SAG_BAD_SAMPLES - 1];
+    uint32_t of_its_pixel = 0;
+    for (int i = 0; i < SAG_BAD_SAMPLES; i++)
+        of_its_pixel += stats.bad[i].x == last.x && stats.bad[i].y == last.y;
+    const uint32_t bounds[4] = {last.x, last.x + 1, last.y, last.y + 1};
+    memcpy(s.settings->film.pixel_bounds, bounds, sizeof bounds);
+    image = studio_render(&s, &stats);
+    assert_true(image.width == 1 && image.height == 1 && stats.bad_samples >= of_its_pixel);
+    assert_true(stats.bad[of_its_pixel - 1].x == last.x && stats.bad[of_its_pixel - 1].y == last.y &&
+                stats.bad[of_its_pixel - 1].sample == last.sample);
     sag_image_clear(s.context, &image);
     studio_close(&s);
 }

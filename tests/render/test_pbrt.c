@@ -87,8 +87,26 @@ static void test_settings(void **state) {
                             "\"equirectangular\" PixelFilter \"mitchell\" Integrator \"bdpt\"" W);
     s = sag_world_settings(world);
     assert_true(s->samples_per_pixel == 15 && s->sampler == SAG_SAMPLER_STRATIFIED &&
-                s->camera.kind == SAG_CAMERA_ENVIRONMENT);
-    assert_int_equal(scene_warning_count, 2);
+                s->camera.kind == SAG_CAMERA_ENVIRONMENT && s->film.filter == SAG_FILTER_MITCHELL &&
+                s->strata_x == 3 && s->strata_y == 5 && !s->no_jitter);
+    assert_int_equal(scene_warning_count, 1);
+    sag_world_destroy(world);
+    world = scene_load_good(
+        "Sampler \"zsobol\" \"string randomization\" \"owen\" Camera \"spherical\" PixelFilter \"sinc\" "
+        "\"float tau\" 2 Film \"rgb\" \"integer pixelbounds\" [ -5 100 20 5000 ] \"float "
+        "maxcomponentvalue\" 10 " W);
+    s = sag_world_settings(world);
+    assert_true(s->sampler == SAG_SAMPLER_ZSOBOL && s->randomization == SAG_RANDOMIZATION_OWEN &&
+                s->samples_per_pixel == 16 && s->camera.kind == SAG_CAMERA_EQUAL_AREA &&
+                s->film.filter == SAG_FILTER_SINC && s->film.filter_tau == 2 && s->film.max_component == 10);
+    assert_true(s->film.pixel_bounds[0] == 0 && s->film.pixel_bounds[1] == 100 &&
+                s->film.pixel_bounds[2] == 20 && s->film.pixel_bounds[3] == 720);
+    assert_int_equal(scene_warning_count, 0);
+    sag_world_destroy(world);
+    world = scene_load_good("Sampler \"independent\" Film \"rgb\" \"float cropwindow\" [ 0.75 0.5 0 2 ] " W);
+    s = sag_world_settings(world);
+    assert_true(s->samples_per_pixel == 4 && s->film.crop_window[0] == 0.5 &&
+                s->film.crop_window[1] == 0.75 && s->film.crop_window[3] == 1);
     sag_world_destroy(world);
 }
 

@@ -77,6 +77,11 @@ static void test_errors_have_their_place(void **state) {
     scene_fails("Film \"rgb\" \"integer xresolution\" 100000 " W, 1, 1, "100000×720");
     scene_fails("Film \"rgb\" \"integer xresolution\" 1.5 " W, 1, 34, "not an integer");
     scene_fails("Sampler \"halton\" \"integer pixelsamples\" 0 " W, 1, 1, "0 samples");
+    scene_fails("Sampler \"halton\" \"string randomization\" \"fastowen\" " W, 1, 18, "randomization");
+    scene_fails("Film \"rgb\" \"float cropwindow\" [ 0.5 0.5 0 1 ] " W, 1, 12, "with pixels between");
+    scene_fails("Film \"rgb\" \"integer pixelbounds\" [ 5000 6000 0 9 ] " W, 1, 12, "with pixels between");
+    scene_fails("Film \"rgb\" \"float maxcomponentvalue\" -1 " W, 1, 12, "maxcomponentvalue -1");
+    scene_fails("Camera \"spherical\" \"string mapping\" \"cube\" " W, 1, 20, "unknown mapping");
     scene_fails(W "Include \"none.pbrt\"", 2, 1, "none.pbrt: cannot read: No such file");
     scene_fails(W "Include \"scene.pbrt\"", 2, 1, "includes itself");
     scene_fails(W "Import \"scene.pbrt\"", 2, 1, "includes itself");
