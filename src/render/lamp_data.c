@@ -3,6 +3,9 @@
 // … F12 (CIE 015:2018, tables 5, 6 and 10), and the ACES white of about D60 (Academy S-2008-001, "Academy
 // Color Encoding Specification"; TB-2018-001 derives its white point). The daylight components S0, S1, S2
 // (Judd, MacAdam & Wyszecki 1964; CIE 015:2018, table 6) make daylight of any temperature.
+//
+// D50 is as pbrt-v4 has it, so that scenes which name it look the same: in the red it lies up to an eighth
+// under the CIE's. Daylight of 5000 K (sagi_daylight_table) is the CIE's.
 #include "spectrum_data.h"
 
 static const float values_a[] = {

@@ -4,7 +4,8 @@
 // smooth, and 2m scales it; light is that times the space's white. Grey is the same at all wavelengths.
 #include "spectrum.h"
 
-#define N SAGI_COLOR_TABLE_SIZE
+#define LEVELS SAGI_COLOR_LEVELS
+#define RATIOS SAGI_COLOR_RATIOS
 
 static sag_rgb cut_off(sag_rgb c, double high) {
     return sagi_rgb(sagi_clamp(c.r, 0, high), sagi_clamp(c.g, 0, high), sagi_clamp(c.b, 0, high));
@@ -14,22 +15,22 @@ static sag_rgb cut_off(sag_rgb c, double high) {
 static void look_up(sag_color_space space, const double rgb[3], float c[3]) {
     const int largest = rgb[0] > rgb[1] ? (rgb[0] > rgb[2] ? 0 : 2) : (rgb[1] > rgb[2] ? 1 : 2);
     const double z = rgb[largest];
-    const double x = rgb[(largest + 1) % 3] / z * (N - 1), y = rgb[(largest + 2) % 3] / z * (N - 1);
-    const int xi = x < N - 2 ? (int)x : N - 2, yi = y < N - 2 ? (int)y : N - 2;
-    int zi = 0, high = N - 1;
+    const double x = rgb[(largest + 1) % 3] / z * (RATIOS - 1), y = rgb[(largest + 2) % 3] / z * (RATIOS - 1);
+    const int xi = x < RATIOS - 2 ? (int)x : RATIOS - 2, yi = y < RATIOS - 2 ? (int)y : RATIOS - 2;
+    int zi = 0, high = LEVELS - 1;
     while (high - zi > 1) {
         const int middle = (zi + high) / 2;
-        if (sagi_color_node(middle) <= z)
+        if (sagi_color_level(middle) <= z)
             zi = middle;
         else
             high = middle;
     }
-    const double low = sagi_color_node(zi);
+    const double low = sagi_color_level(zi);
     const float dx = (float)(x - xi), dy = (float)(y - yi),
-                dz = (float)((z - low) / (sagi_color_node(zi + 1) - low));
+                dz = (float)((z - low) / (sagi_color_level(zi + 1) - low));
     sagi_spectrum layers[2];
     for (int k = 0; k < 2; k++) {
-        const float(*layer)[N][4] = sagi_color_tables[space][largest][zi + k];
+        const float(*layer)[RATIOS][4] = sagi_color_tables[space][largest][zi + k];
         const float *a = layer[yi][xi], *b = layer[yi][xi + 1], *d = layer[yi + 1][xi],
                     *e = layer[yi + 1][xi + 1];
         const sagi_spectrum va = {a[0], a[1], a[2], 0}, vb = {b[0], b[1], b[2], 0},
@@ -37,7 +38,8 @@ static void look_up(sag_color_space space, const double rgb[3], float c[3]) {
         layers[k] = (1 - dy) * ((1 - dx) * va + dx * vb) + dy * ((1 - dx) * vd + dx * ve);
     }
     const sagi_spectrum value = (1 - dz) * layers[0] + dz * layers[1];
-    for (int k = 0; k < 3; k++) c[k] = value[k];
+    const float over_root = 1 / sqrtf((float)z);
+    for (int k = 0; k < 3; k++) c[k] = value[k] * over_root;
 }
 
 static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, bool exactly) {
@@ -54,7 +56,7 @@ static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, boo
     look_up(space, wanted, color.c);
     if (!exactly) return color;
     double c[3] = {(double)color.c[0], (double)color.c[1], (double)color.c[2]};
-    sagi_color_solve(&sagi_color_spaces[space], wanted, c);
+    sagi_color_solve(&sagi_color_spaces[space], 1, wanted, c);
     for (int k = 0; k < 3; k++) color.c[k] = (float)c[k];
     return color;
 }

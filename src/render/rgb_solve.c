@@ -10,6 +10,9 @@
 // the residual's direction matters only for colours that no reflectance has: those nearest the primaries of
 // wide spaces. Steps are halved until they lead nearer, and c is kept within ±200: from there on s is a box.
 //
+// Between the steps of the integral s is taken as linear: the light of each nanometre is shared among the
+// steps at its sides.
+//
 // Nothing but + − · / and √ is used, which are the same on every machine: so are the tables made with it.
 #include "colorspace.h"
 
@@ -52,23 +55,45 @@ static void to_lab(const sagi_color_space *space, const double xyz[3], double la
         for (int k = 0; k < 3; k++) slopes[i][k] = m[i][k];
 }
 
-// XYZ of the reflectance c and its derivatives.
-static void integrate(const sagi_color_space *space, const double c[3], double xyz[3], double by_c[3][3]) {
-    double sum[3] = {0, 0, 0}, moment[3][3] = {{0}}, norm = 0;
+// x, y, z of the white light that is reflected at each step.
+typedef struct basis {
+    int count;
+    double weights[SAGI_WAVELENGTH_COUNT][3];
+} basis;
+
+static void make_basis(const sagi_color_space *space, int step, basis *b) {
+    double norm = 0;
+    b->count = (SAGI_WAVELENGTH_COUNT - 1) / step + 1;
+    for (int i = 0; i < b->count; i++)
+        for (int k = 0; k < 3; k++) b->weights[i][k] = 0;
     for (int i = 0; i < SAGI_WAVELENGTH_COUNT; i++) {
-        const double t = i / (SAGI_WAVELENGTH_COUNT - 1.0), p = (c[0] * t + c[1]) * t + c[2];
-        const double root = sqrt(1 + p * p), light = (double)space->illuminant[i];
-        const double s = 0.5 + p / (2 * root), slope = 0.5 / (root * root * root);
+        const double light = (double)space->illuminant[i], part = (double)(i % step) / step;
         norm += (double)sagi_cie_xyz[i][1] * light;
         for (int k = 0; k < 3; k++) {
-            const double weight = (double)sagi_cie_xyz[i][k] * light, w = weight * slope;
-            sum[k] += weight * s;
-            moment[k][0] += w, moment[k][1] += w * t, moment[k][2] += w * t * t;
+            const double weight = (double)sagi_cie_xyz[i][k] * light;
+            b->weights[i / step][k] += weight * (1 - part);
+            if (part > 0) b->weights[i / step + 1][k] += weight * part;
+        }
+    }
+    for (int i = 0; i < b->count; i++)
+        for (int k = 0; k < 3; k++) b->weights[i][k] /= norm;
+}
+
+// XYZ of the reflectance c and its derivatives.
+static void integrate(const basis *b, const double c[3], double xyz[3], double by_c[3][3]) {
+    double sum[3] = {0, 0, 0}, moment[3][3] = {{0}};
+    for (int i = 0; i < b->count; i++) {
+        const double t = i / (b->count - 1.0), p = (c[0] * t + c[1]) * t + c[2];
+        const double over = 1 / sqrt(1 + p * p), s = 0.5 + 0.5 * p * over, slope = 0.5 * over * over * over;
+        for (int k = 0; k < 3; k++) {
+            const double w = b->weights[i][k] * slope;
+            sum[k] += b->weights[i][k] * s;
+            moment[k][2] += w, moment[k][1] += w * t, moment[k][0] += w * t * t;
         }
     }
     for (int k = 0; k < 3; k++) {
-        xyz[k] = sum[k] / norm;
-        for (int j = 0; j < 3; j++) by_c[k][j] = moment[k][2 - j] / norm;
+        xyz[k] = sum[k];
+        for (int j = 0; j < 3; j++) by_c[k][j] = moment[k][j];
     }
 }
 
@@ -78,14 +103,16 @@ static double distance2(const double a[3], const double b[3]) {
     return sum;
 }
 
-void sagi_color_solve(const sagi_color_space *space, const double rgb[3], double c[3]) {
+void sagi_color_solve(const sagi_color_space *space, int step_nm, const double rgb[3], double c[3]) {
+    basis b;
+    make_basis(space, step_nm, &b);
     double target_xyz[3], target[3], xyz[3], lab[3], slopes[3][3], by_c[3][3];
     sagi_matrix_apply(space->to_xyz, rgb, target_xyz);
     to_lab(space, target_xyz, target, NULL);
-    integrate(space, c, xyz, by_c);
+    integrate(&b, c, xyz, by_c);
     to_lab(space, xyz, lab, slopes);
     double distance = distance2(lab, target);
-    for (int i = 0; i < 40 && distance > 1e-16; i++) {
+    for (int i = 0; i < 25 && distance > 1e-16; i++) {
         double jacobian[3][3], inverse[3][3], step[3], difference[3];
         sagi_matrix_multiply(slopes, by_c, jacobian);
         if (!sagi_matrix_invert(jacobian, inverse)) return;
@@ -93,7 +120,7 @@ void sagi_color_solve(const sagi_color_space *space, const double rgb[3], double
         sagi_matrix_apply(inverse, difference, step);
         double next[3], next_distance = distance;
         bool nearer = false;
-        for (int half = 0; half < 12 && !nearer; half++) {
+        for (int half = 0; half < 6 && !nearer; half++) {
             double largest = LARGEST;
             for (int k = 0; k < 3; k++) {
                 next[k] = c[k] + step[k];
@@ -101,7 +128,7 @@ void sagi_color_solve(const sagi_color_space *space, const double rgb[3], double
                 if (fabs(next[k]) > largest) largest = fabs(next[k]);
             }
             for (int k = 0; k < 3; k++) next[k] *= LARGEST / largest;
-            integrate(space, next, xyz, by_c);
+            integrate(&b, next, xyz, by_c);
             to_lab(space, xyz, lab, slopes);
             next_distance = distance2(lab, target);
             nearer = next_distance < distance;
@@ -110,11 +137,4 @@ void sagi_color_solve(const sagi_color_space *space, const double rgb[3], double
         for (int k = 0; k < 3; k++) c[k] = next[k];
         distance = next_distance;
     }
-}
-
-// Twice the smooth step: nodes crowd near 0 and 1, where the coefficients change fastest.
-double sagi_color_node(int i) {
-    double x = i / (SAGI_COLOR_TABLE_SIZE - 1.0);
-    for (int k = 0; k < 2; k++) x = x * x * (3 - 2 * x);
-    return x;
 }

@@ -18,7 +18,8 @@ static void white_balance(const float *seen, const double white[3], double matri
     double xyz[3] = {0, 0, 0}, cones_seen[3], cones_white[3], scaled[3][3], back[3][3];
     for (int i = 0; i < SAGI_WAVELENGTH_COUNT; i++)
         for (int k = 0; k < 3; k++) xyz[k] += (double)sagi_cie_xyz[i][k] * (double)seen[i];
-    for (int k = 2; k >= 0; k--) xyz[k] /= xyz[1];
+    const double luminance = xyz[1];
+    for (int k = 0; k < 3; k++) xyz[k] /= luminance;
     sagi_matrix_apply(bradford, xyz, cones_seen);
     sagi_matrix_apply(bradford, white, cones_white);
     for (int i = 0; i < 3; i++)

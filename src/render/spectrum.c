@@ -173,7 +173,9 @@ static sag_status make_table(const sag_context *context, const sag_spectrum *d, 
 sag_status sagi_spectrum_make(const sag_context *context, const sag_spectrum *d, sagi_spectrum_entry *entry) {
     *entry = (sagi_spectrum_entry){.table = NULL};
     const bool known_space = d->space >= SAG_COLOR_SRGB && d->space <= SAG_COLOR_ACES2065_1;
-    if (!known_space || !isfinite(d->scale) || !sagi_rgb_is_finite(d->rgb)) return SAG_ERROR_ARGUMENT;
+    const bool known_kind = d->kind >= SAG_SPECTRUM_CONSTANT && d->kind <= SAG_SPECTRUM_NAMED;
+    if (!known_space || !known_kind || !isfinite(d->scale) || !sagi_rgb_is_finite(d->rgb))
+        return SAG_ERROR_ARGUMENT;
     sag_status status = SAG_OK;
     switch (d->kind) {
     case SAG_SPECTRUM_CONSTANT:

@@ -7,12 +7,15 @@
 // floats are loaded at once.
 #include "render/colorspace.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define N SAGI_COLOR_TABLE_SIZE
+#define LEVELS  SAGI_COLOR_LEVELS
+#define RATIOS  SAGI_COLOR_RATIOS
+#define STEP_NM 5
 
-static float table[3][N][N][N][4];
+static float table[3][LEVELS][RATIOS][RATIOS][4];
 
 static void expand(const char *lamp_name, float illuminant[SAGI_WAVELENGTH_COUNT]) {
     for (int l = 0; l < SAGI_LAMP_COUNT; l++) {
@@ -30,13 +33,14 @@ static void expand(const char *lamp_name, float illuminant[SAGI_WAVELENGTH_COUNT
 static void fill_column(const sagi_color_space *space, int largest, int y, int x, int from, int to) {
     double c[3] = {0, 0, 0};
     for (int z = from; z != to; z += from < to ? 1 : -1) {
-        const double value = sagi_color_node(z);
+        // Black has no coefficients, but c √z has a limit.
+        const double value = z > 0 ? sagi_color_level(z) : sagi_color_level(1) / 1024;
         double rgb[3];
         rgb[largest] = value;
-        rgb[(largest + 1) % 3] = value * x / (N - 1.0);
-        rgb[(largest + 2) % 3] = value * y / (N - 1.0);
-        sagi_color_solve(space, rgb, c);
-        for (int k = 0; k < 3; k++) table[largest][z][y][x][k] = (float)c[k];
+        rgb[(largest + 1) % 3] = value * x / (RATIOS - 1.0);
+        rgb[(largest + 2) % 3] = value * y / (RATIOS - 1.0);
+        sagi_color_solve(space, STEP_NM, rgb, c);
+        for (int k = 0; k < 3; k++) table[largest][z][y][x][k] = (float)(c[k] * sqrt(value));
     }
 }
 
@@ -87,22 +91,22 @@ int main(int argc, char **argv) {
     fprintf(file, "};\n\nconst sagi_color_table sagi_color_tables[SAGI_COLOR_SPACE_COUNT] = {\n");
     for (int i = 0; i < SAGI_COLOR_SPACE_COUNT; i++) {
         for (int largest = 0; largest < 3; largest++)
-            for (int y = 0; y < N; y++)
-                for (int x = 0; x < N; x++) {
-                    fill_column(&spaces[i], largest, y, x, N / 5, N);
-                    fill_column(&spaces[i], largest, y, x, N / 5, -1);
+            for (int y = 0; y < RATIOS; y++)
+                for (int x = 0; x < RATIOS; x++) {
+                    fill_column(&spaces[i], largest, y, x, LEVELS / 3, LEVELS);
+                    fill_column(&spaces[i], largest, y, x, LEVELS / 3, -1);
                 }
         fprintf(file, "{");
         for (int largest = 0; largest < 3; largest++) {
             fprintf(file, "{");
-            for (int z = 0; z < N; z++) {
+            for (int z = 0; z < LEVELS; z++) {
                 fprintf(file, "{");
-                for (int y = 0; y < N; y++) {
+                for (int y = 0; y < RATIOS; y++) {
                     fprintf(file, "{");
-                    for (int x = 0; x < N; x++) {
+                    for (int x = 0; x < RATIOS; x++) {
                         fprintf(file, "{");
                         print_floats(file, table[largest][z][y][x], 3);
-                        fprintf(file, "}%s", x + 1 < N ? "," : "");
+                        fprintf(file, "}%s", x + 1 < RATIOS ? "," : "");
                     }
                     fprintf(file, "},\n");
                 }
