@@ -205,7 +205,7 @@ static void metals_have_their_colors(void **state) {
         assert_true(metal.eta.spectrum && metal.k.spectrum);
         const sagi_appearance look = {.look.material = studio_material(&s, metal)};
         const sag_surface surface = {.geometric_normal = {0, 0, 1}, .shading_normal = {0, 0, 1}};
-        const sag_rgb got = sagi_material_albedo(s.world, &look, &surface);
+        const sag_rgb got = sagi_material_albedo(s.world, &look, &surface, NULL);
         if (!(worst_of(got, metals[i].rgb) < 0.05))
             print_message("%s: %g %g %g\n", metals[i].eta, got.r, got.g, got.b);
         assert_true(worst_of(got, metals[i].rgb) < 0.05);
