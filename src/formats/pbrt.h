@@ -51,11 +51,20 @@ typedef struct sagi_area_light {
     double power; // > 0: the radiance is a colour, the power over the whole shape is this
 } sagi_area_light;
 
+typedef enum sagi_active { SAGI_ACTIVE_ALL, SAGI_ACTIVE_START, SAGI_ACTIVE_END } sagi_active;
+
+// What is known of a medium.
+typedef struct sagi_medium_name {
+    sagi_place used_at; // first
+    bool made;
+} sagi_medium_name;
+
 // The graphics state: what AttributeBegin saves.
 typedef struct sagi_state {
     sag_affine ctm; // object to world; within a solid: to the solid's space
     bool reverse_orientation;
-    bool end_time_only; // transforms are for the end of a motion: passed over
+    sagi_active active;       // what transforms are for; those for the end of a motion are passed over
+    uint32_t inside, outside; // media (pbrt_medium.h)
     uint32_t material;
     sag_color_space color_space; // of "rgb" parameters
     sagi_area_light area_light;
@@ -123,7 +132,7 @@ typedef struct sagi_pbrt {
     sagi_attribute *attributes;
     size_t attribute_count, attribute_allocated;
     sagi_params params;
-    sagi_names materials, float_textures, spectrum_textures, object_names, system_names, warned;
+    sagi_names materials, float_textures, spectrum_textures, object_names, system_names, medium_names, warned;
     sagi_object *objects;
     size_t object_count, object_allocated;
     sagi_solid *solids; // that objects have
@@ -132,6 +141,9 @@ typedef struct sagi_pbrt {
     size_t solid_part_count, solid_part_allocated, object_part_count, object_part_allocated;
     sag_affine *systems;
     size_t system_count, system_allocated;
+    sagi_medium_name *media;
+    size_t medium_count, medium_allocated;
+    int32_t seed;     // Option's
     sag_scene *scene; // shapes go there: the world's, an object's or a solid's
     bool in_object;
     sagi_solid_reader solid;

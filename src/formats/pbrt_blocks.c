@@ -29,22 +29,34 @@ sag_status sagi_pbrt_push(sagi_pbrt *p, sagi_place place, sagi_block block) {
 }
 
 sag_status sagi_pbrt_pop(sagi_pbrt *p, sagi_place place, sagi_block block) {
-    if (p->saved_count == 0)
-        return sagi_place_error(place, p->error, "%s without %s", block_ends[block], block_begins[block]);
-    const sagi_state *state = &p->saved[p->saved_count - 1];
-    if (state->block != block) {
+    const sagi_state *state = p->saved_count ? &p->saved[p->saved_count - 1] : NULL;
+    const bool attributes = block == SAGI_BLOCK_ATTRIBUTE || block == SAGI_BLOCK_TRANSFORM;
+    if (!state || (attributes && state->block == SAGI_BLOCK_IMPORT)) {
+        if (!attributes)
+            return sagi_place_error(place, p->error, "%s without %s", block_ends[block], block_begins[block]);
+        sagi_pbrt_warn(p, place, "%s without %s: ignored, as pbrt does", block_ends[block],
+                       block_begins[block]);
+        return SAG_OK;
+    }
+    const bool fits = attributes
+                          ? state->block == SAGI_BLOCK_ATTRIBUTE || state->block == SAGI_BLOCK_TRANSFORM
+                          : state->block == block;
+    if (!fits) {
         int line, column;
         sagi_place_find(state->place, &line, &column);
         return sagi_place_error(place, p->error, "%s while the %s of line %d is open", block_ends[block],
                                 block_begins[state->block], line);
     }
+    // Before pbrt-v4 a transform's block took back nothing else.
+    if (state->block == SAGI_BLOCK_TRANSFORM &&
+        (state->material != p->state.material || state->area_light.on != p->state.area_light.on ||
+         state->reverse_orientation != p->state.reverse_orientation))
+        sagi_pbrt_warn_once(p, state->place, "TransformBegin",
+                            "TransformBegin is AttributeBegin by another name: its end takes back materials, "
+                            "lights and orientation too");
     p->saved_count--;
-    if (block == SAGI_BLOCK_TRANSFORM) {
-        p->state.ctm = state->ctm;
-    } else {
-        p->state = *state;
-        p->attribute_count = p->state.attribute_count;
-    }
+    p->state = *state;
+    p->attribute_count = p->state.attribute_count;
     return SAG_OK;
 }
 
@@ -128,23 +140,29 @@ sag_affine sagi_pbrt_transform_now(const sagi_pbrt *p) {
     return p->solid.scene ? sag_affine_multiply(&p->solid.to_outside, &p->state.ctm) : p->state.ctm;
 }
 
+// Whether a transform is for the start of a motion, which is all there is.
+static bool is_for_start(sagi_pbrt *p, sagi_place place) {
+    if (p->state.active != SAGI_ACTIVE_ALL)
+        sagi_pbrt_warn_once(p, place, "motion", "motion is not supported: all stands as at the start");
+    return p->state.active != SAGI_ACTIVE_END;
+}
+
 // A transform from the outermost space, which a solid's is brought back from.
-static void set(sagi_pbrt *p, const sag_affine *a) {
-    if (p->state.end_time_only) return;
+static void set(sagi_pbrt *p, sagi_place place, const sag_affine *a) {
+    if (!is_for_start(p, place)) return;
     p->state.ctm = *a;
     sag_affine inverse;
     if (p->solid.scene && sag_affine_inverse(&p->solid.to_outside, &inverse))
         p->state.ctm = sag_affine_multiply(&inverse, a);
 }
 
-static void concatenate(sagi_pbrt *p, const sag_affine *a) {
-    if (!p->state.end_time_only) p->state.ctm = sag_affine_multiply(&p->state.ctm, a);
+static void concatenate(sagi_pbrt *p, sagi_place place, const sag_affine *a) {
+    if (is_for_start(p, place)) p->state.ctm = sag_affine_multiply(&p->state.ctm, a);
 }
 
 sag_status sagi_pbrt_identity(sagi_pbrt *p, sagi_place place) {
-    (void)place;
     const sag_affine identity = sag_affine_identity();
-    set(p, &identity);
+    set(p, place, &identity);
     return SAG_OK;
 }
 
@@ -153,7 +171,7 @@ sag_status sagi_pbrt_translate(sagi_pbrt *p, sagi_place place) {
     const sag_status status = read_numbers(p, place, v, 3);
     if (status != SAG_OK) return status;
     const sag_affine a = sag_affine_translate(sag_vec3_make(v[0], v[1], v[2]));
-    concatenate(p, &a);
+    concatenate(p, place, &a);
     return SAG_OK;
 }
 
@@ -163,7 +181,7 @@ sag_status sagi_pbrt_scale(sagi_pbrt *p, sagi_place place) {
     if (status != SAG_OK) return status;
     if (v[0] == 0 || v[1] == 0 || v[2] == 0) return sagi_place_error(place, p->error, "Scale by 0");
     const sag_affine a = sag_affine_scale(sag_vec3_make(v[0], v[1], v[2]));
-    concatenate(p, &a);
+    concatenate(p, place, &a);
     return SAG_OK;
 }
 
@@ -175,7 +193,7 @@ sag_status sagi_pbrt_rotate(sagi_pbrt *p, sagi_place place) {
         return sagi_place_error(place, p->error, "Rotate about the axis 0 0 0");
     const sag_affine a =
         sag_affine_rotate(v[0] / 180 * 3.14159265358979323846, sag_vec3_make(v[1], v[2], v[3]));
-    concatenate(p, &a);
+    concatenate(p, place, &a);
     return SAG_OK;
 }
 
@@ -193,7 +211,7 @@ sag_status sagi_pbrt_look_at(sagi_pbrt *p, sagi_place place) {
     if (!sag_affine_inverse(&to_world, &a))
         return sagi_place_error(place, p->error,
                                 "LookAt: the up vector is along the view, or the eye at the point looked at");
-    concatenate(p, &a);
+    concatenate(p, place, &a);
     return SAG_OK;
 }
 
@@ -214,14 +232,14 @@ static sag_status read_matrix(sagi_pbrt *p, sagi_place place, sag_affine *a) {
 sag_status sagi_pbrt_transform(sagi_pbrt *p, sagi_place place) {
     sag_affine a;
     const sag_status status = read_matrix(p, place, &a);
-    if (status == SAG_OK) set(p, &a);
+    if (status == SAG_OK) set(p, place, &a);
     return status;
 }
 
 sag_status sagi_pbrt_concat_transform(sagi_pbrt *p, sagi_place place) {
     sag_affine a;
     const sag_status status = read_matrix(p, place, &a);
-    if (status == SAG_OK) concatenate(p, &a);
+    if (status == SAG_OK) concatenate(p, place, &a);
     return status;
 }
 
@@ -250,28 +268,22 @@ sag_status sagi_pbrt_coord_sys_transform(sagi_pbrt *p, sagi_place place) {
         sagi_pbrt_warn(p, place, "there is no coordinate system \"%.100s\"", name);
         return SAG_OK;
     }
-    set(p, &p->systems[index]);
+    set(p, place, &p->systems[index]);
     return SAG_OK;
 }
 
-static void no_motion(sagi_pbrt *p, sagi_place place) {
-    sagi_pbrt_warn_once(p, place, "motion", "motion is not supported: all stands as at the start");
-}
-
 sag_status sagi_pbrt_active_transform(sagi_pbrt *p, sagi_place place) {
+    (void)place;
     sagi_token token;
     const sag_status status = sagi_cursor_next(&p->files[p->file_count - 1], &token, p->error);
     if (status != SAG_OK) return status;
-    p->state.end_time_only = sagi_slice_is(token.text, "EndTime");
-    if (p->state.end_time_only) no_motion(p, place);
-    if (p->state.end_time_only || sagi_slice_is(token.text, "All") || sagi_slice_is(token.text, "StartTime"))
-        return SAG_OK;
+    static const char *const names[] = {"All", "StartTime", "EndTime"}; // as sagi_active
+    for (int i = 0; i < 3; i++)
+        if (sagi_slice_is(token.text, names[i])) return p->state.active = (sagi_active)i, SAG_OK;
     return sagi_place_error(token.place, p->error, "ActiveTransform: All, StartTime or EndTime expected");
 }
 
 sag_status sagi_pbrt_transform_times(sagi_pbrt *p, sagi_place place) {
     double v[2];
-    const sag_status status = read_numbers(p, place, v, 2);
-    if (status == SAG_OK) no_motion(p, place);
-    return status;
+    return read_numbers(p, place, v, 2); // of motion, which is warned of where it is
 }

@@ -213,7 +213,8 @@ static sag_status read_again(sagi_pbrt *p, struct sagi_waiting *w) {
     p->params.error = p->error;
     p->params.skim = false;
     sagi_cursor cursor = w->parameters;
-    sag_status status = sagi_params_parse(&p->params, &cursor, false);
+    sagi_params_empty(&p->params);
+    sag_status status = sagi_params_parse(&p->params, &cursor);
     if (status == SAG_OK) status = sagi_pbrt_read_triangles(p, &w->mesh.data);
     if (status != SAG_OK)
         sagi_mesh_data_clear(&w->mesh.data);

@@ -6,6 +6,8 @@
 
 #include "formats/pbrt_blocks.h"
 #include "formats/pbrt_later.h"
+#include "formats/pbrt_medium.h"
+#include "formats/pbrt_options.h"
 #include "formats/pbrt_solid.h"
 
 #include <stdarg.h>
@@ -67,17 +69,19 @@ static sag_status parse_parameters(sagi_pbrt *p, sagi_place place, sagi_target t
     sagi_params *params = &p->params;
     params->place = place;
     params->error = p->error;
-    sag_status status = sagi_params_parse(params, &p->files[p->file_count - 1], false);
-    if (target == SAGI_TARGET_NONE) return status;
-    const size_t own = params->count;
-    // The latest Attribute goes first: the first parameter of a name counts.
-    for (size_t i = p->state.attribute_count; status == SAG_OK && i-- > 0;) {
+    sagi_params_empty(params);
+    // The last of a name counts: what an Attribute sets comes before what the directive itself says.
+    sag_status status = SAG_OK;
+    const bool skim = params->skim;
+    params->skim = false;
+    for (size_t i = 0; target != SAGI_TARGET_NONE && status == SAG_OK && i < p->state.attribute_count; i++) {
         if (p->attributes[i].target != target) continue;
         sagi_cursor cursor = p->attributes[i].parameters;
-        status = sagi_params_parse(params, &cursor, true);
+        status = sagi_params_parse(params, &cursor);
     }
-    for (size_t i = own; i < params->count; i++) params->items[i].used = true; // for some shapes only
-    return status;
+    for (size_t i = 0; i < params->count; i++) params->items[i].used = true; // for some shapes only
+    params->skim = skim;
+    return status == SAG_OK ? sagi_params_parse(params, &p->files[p->file_count - 1]) : status;
 }
 
 sag_status sagi_pbrt_parameters(sagi_pbrt *p, sagi_place place, sagi_target target, const char *format, ...) {
@@ -108,13 +112,13 @@ sag_status sagi_pbrt_parameters_done(sagi_pbrt *p) {
         const sagi_param *param = &params->items[i];
         if (param->used) continue;
         bool again = false;
-        for (size_t k = 0; k < i && !again; k++)
+        for (size_t k = i + 1; k < params->count && !again; k++)
             again = params->items[k].used && params->items[k].name.length == param->name.length &&
                     memcmp(params->items[k].name.text, param->name.text, param->name.length) == 0;
         char key[256];
         snprintf(key, sizeof key, "%s %.*s", params->what, (int)param->name.length, param->name.text);
         sagi_pbrt_warn_once(p, param->place, key,
-                            again ? "%s: \"%.*s\" is given again: the first one counts"
+                            again ? "%s: \"%.*s\" is given again: the last one counts"
                                   : "%s: unknown parameter \"%.*s\"",
                             params->what, (int)param->name.length, param->name.text);
     }
@@ -219,30 +223,6 @@ static sag_status import_directive(sagi_pbrt *p, sagi_place place) { return incl
 
 // ---- directives without effect
 
-// A name, with or without a type before it, and one value: Option "seed" 3
-static sag_status option_directive(sagi_pbrt *p, sagi_place place) {
-    char name[256];
-    sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status != SAG_OK) return status;
-    sagi_cursor *cursor = &p->files[p->file_count - 1];
-    sagi_token token;
-    status = sagi_cursor_next(cursor, &token, p->error);
-    if (status != SAG_OK) return status;
-    if (token.kind == SAGI_TOKEN_OPEN) {
-        sagi_token close;
-        status = sagi_cursor_next(cursor, &token, p->error);
-        if (status == SAG_OK) status = sagi_cursor_next(cursor, &close, p->error);
-        if (status != SAG_OK) return status;
-        if (close.kind != SAGI_TOKEN_CLOSE)
-            return sagi_place_error(close.place, p->error, "] expected: Option \"%.60s\" has one value",
-                                    name);
-    }
-    if (token.kind != SAGI_TOKEN_WORD && token.kind != SAGI_TOKEN_STRING)
-        return sagi_place_error(token.place, p->error, "Option \"%.60s\" has no value", name);
-    sagi_pbrt_warn(p, place, "Option \"%.60s\" has no effect", name);
-    return SAG_OK;
-}
-
 // A name and parameters, all without effect.
 static sag_status skip_named(sagi_pbrt *p, sagi_place place, const char *what) {
     char name[SAGI_MAX_PATH];
@@ -266,28 +246,12 @@ static sag_status color_space_directive(sagi_pbrt *p, sagi_place place) {
     return sagi_place_error(place, p->error, "unknown colour space \"%.60s\"", name);
 }
 
-static sag_status medium_directive(sagi_pbrt *p, sagi_place place) {
-    sagi_pbrt_warn_once(p, place, "media", "participating media are not supported: they are left out");
-    return skip_named(p, place, "MakeNamedMedium");
-}
-
-static sag_status medium_interface_directive(sagi_pbrt *p, sagi_place place) {
-    char name[SAGI_MAX_PATH];
-    sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status != SAG_OK) return status;
-    sagi_cursor *cursor = &p->files[p->file_count - 1];
-    const sagi_cursor before = *cursor;
-    sagi_token second; // the outside's name may be left out
-    status = sagi_cursor_next(cursor, &second, p->error);
-    if (status == SAG_OK && second.kind != SAGI_TOKEN_STRING) *cursor = before;
-    sagi_pbrt_warn_once(p, place, "media", "participating media are not supported: they are left out");
-    return status;
-}
-
 static sag_status world_begin(sagi_pbrt *p, sagi_place place) {
     if (p->saved_count) return sagi_place_error(place, p->error, "WorldBegin within a block");
     p->in_world = true;
     p->state.ctm = sag_affine_identity();
+    p->state.active = SAGI_ACTIVE_ALL;
+    sagi_pbrt_apply_seed(p);
     const sagi_slice world = {"world", 5};
     return sagi_pbrt_name_system(p, world) ? SAG_OK : sagi_pbrt_out_of_memory(p);
 }
@@ -327,8 +291,8 @@ static const struct {
     {"AreaLightSource", AFTER, sagi_pbrt_area_light_source},
     {"Texture", AFTER, sagi_pbrt_texture},
     {"MakeNamedMaterial", AFTER, sagi_pbrt_make_named_material},
-    {"MakeNamedMedium", ANYWHERE, medium_directive},
-    {"MediumInterface", ANYWHERE, medium_interface_directive},
+    {"MakeNamedMedium", ANYWHERE, sagi_pbrt_make_named_medium},
+    {"MediumInterface", ANYWHERE, sagi_pbrt_medium_interface},
     {"WorldBegin", BEFORE, world_begin},
     {"Camera", BEFORE, sagi_pbrt_camera},
     {"Film", BEFORE, sagi_pbrt_film},
@@ -337,7 +301,7 @@ static const struct {
     {"Integrator", BEFORE, sagi_pbrt_integrator},
     {"Accelerator", BEFORE, accelerator_directive},
     {"ColorSpace", ANYWHERE, color_space_directive},
-    {"Option", BEFORE, option_directive},
+    {"Option", BEFORE, sagi_pbrt_option},
     {"Include", ANYWHERE, include_directive},
     {"Import", AFTER, import_directive},
     {"SolidBegin", AFTER, sagi_pbrt_solid_begin},
@@ -361,7 +325,9 @@ static sag_status read_directive(sagi_pbrt *p, const sagi_token *token) {
     for (int i = 0; i < shown; i++)
         if ((uint8_t)token->text.text[i] < 0x20)
             return sagi_place_error(token->place, p->error, "a directive expected: this is no text");
-    return sagi_place_error(token->place, p->error, "unknown directive %.*s", shown, token->text.text);
+    const bool old = sagi_slice_is(token->text, "WorldEnd");
+    return sagi_place_error(token->place, p->error, "unknown directive %.*s%s", shown, token->text.text,
+                            old ? ": a pbrt-v4 scene ends with its file" : "");
 }
 
 static sag_status read_all(sagi_pbrt *p) {
@@ -381,7 +347,8 @@ static sag_status read_all(sagi_pbrt *p) {
         if (--p->file_count == 0 && !p->in_world)
             return sagi_place_error(token.place, p->error, "the scene ends without WorldBegin");
     }
-    return sagi_pbrt_check_closed(p);
+    const sag_status status = sagi_pbrt_check_closed(p);
+    return status == SAG_OK ? sagi_pbrt_check_media(p) : status;
 }
 
 // The same with the meshes that have waited. One that is wrong comes before what went wrong after it.
@@ -403,7 +370,8 @@ static void clear(sagi_pbrt *p) {
     }
     sagi_params_clear(&p->params);
     sagi_names *const maps[] = {&p->materials,    &p->float_textures, &p->spectrum_textures,
-                                &p->object_names, &p->system_names,   &p->warned};
+                                &p->object_names, &p->system_names,   &p->medium_names,
+                                &p->warned};
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) sagi_names_clear(maps[i]);
     sag_release(p->context, p->saved, p->saved_allocated * sizeof *p->saved);
     sag_release(p->context, p->attributes, p->attribute_allocated * sizeof *p->attributes);
@@ -411,6 +379,7 @@ static void clear(sagi_pbrt *p) {
     sag_release(p->context, p->solids, p->solid_allocated * sizeof *p->solids);
     sag_release(p->context, p->solid_parts, p->solid_part_allocated * sizeof *p->solid_parts);
     sag_release(p->context, p->object_parts, p->object_part_allocated * sizeof *p->object_parts);
+    sag_release(p->context, p->media, p->medium_allocated * sizeof *p->media);
     sag_release(p->context, p->systems, p->system_allocated * sizeof *p->systems);
     sagi_pbrt_solid_clear(p);
     sagi_pbrt_later_clear(p);
@@ -432,7 +401,7 @@ sag_status sagi_pbrt_load(sag_world *world, const char *path, const sagi_load_op
     p->state.ctm = sag_affine_identity();
     p->params.context = p->materials.context = p->float_textures.context = p->spectrum_textures.context =
         context;
-    p->object_names.context = p->system_names.context = p->warned.context = context;
+    p->object_names.context = p->system_names.context = p->medium_names.context = p->warned.context = context;
     const char *slash = strrchr(path, '/');
     snprintf(p->directory, sizeof p->directory, "%.*s", slash ? (int)(slash - path) + 1 : 0, path);
     if (!options->geometry_only) sagi_pbrt_default_settings(p);

@@ -83,8 +83,9 @@ sag_status sagi_cursor_next(sagi_cursor *cursor, sagi_token *token, sag_error *e
         return SAG_OK;
     }
     const char *q = p;
-    while (q != end && !(byte_class[(uint8_t)*q] & ENDS_WORD)) q++;
-    if (q - p > MAX_WORD_BYTES) return sagi_place_error(token->place, error, "this is no text of a scene");
+    const char *const limit = end - p > MAX_WORD_BYTES ? p + MAX_WORD_BYTES : end;
+    while (q != limit && !(byte_class[(uint8_t)*q] & ENDS_WORD)) q++;
+    if (q - p >= MAX_WORD_BYTES) return sagi_place_error(token->place, error, "this is no text of a scene");
     token->kind = SAGI_TOKEN_WORD;
     token->text = (sagi_slice){p, (size_t)(q - p)};
     cursor->next = q;
@@ -175,8 +176,9 @@ static sag_status parse_declaration(sagi_params *params, const sagi_token *token
                                                  (int)token->text.length, token->text.text);
     if (!param->type)
         return params->status =
-                   sagi_place_error(token->place, params->error, "unknown parameter type \"%.*s\"",
-                                    (int)type.length, type.text);
+                   sagi_place_error(token->place, params->error, "unknown parameter type \"%.*s\"%s",
+                                    (int)(type.length < 60 ? type.length : 60), type.text,
+                                    sagi_slice_is(type, "color") ? ": pbrt-v4 calls it \"rgb\"" : "");
     return SAG_OK;
 }
 
@@ -279,9 +281,12 @@ static sag_status parse_values(sagi_params *params, sagi_cursor *cursor, sagi_pa
     }
 }
 
-sag_status sagi_params_parse(sagi_params *params, sagi_cursor *cursor, bool append) {
-    if (!append) params->count = params->number_count = params->string_count = 0;
+void sagi_params_empty(sagi_params *params) {
+    params->count = params->number_count = params->string_count = 0;
     params->status = SAG_OK;
+}
+
+sag_status sagi_params_parse(sagi_params *params, sagi_cursor *cursor) {
     for (;;) {
         skip_space(cursor);
         if (cursor->next == cursor->end || *cursor->next != '"') return SAG_OK;
@@ -317,7 +322,7 @@ sag_status sagi_params_fail(sagi_params *params, const sagi_param *param, const 
 }
 
 sagi_param *sagi_params_find(sagi_params *params, const char *name, unsigned types) {
-    for (size_t i = 0; i < params->count; i++) {
+    for (size_t i = params->count; i-- > 0;) {
         sagi_param *param = &params->items[i];
         if (!sagi_slice_is(param->name, name)) continue;
         param->used = true;

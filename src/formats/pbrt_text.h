@@ -95,15 +95,15 @@ typedef struct sagi_params {
 } sagi_params;
 
 void sagi_params_clear(sagi_params *params);
-// Empties the list and parses one: reads parameters until something is no string; that token stays unread.
-// `first` is where to begin counting: parameters already there are kept when `append`.
-sag_status sagi_params_parse(sagi_params *params, sagi_cursor *cursor, bool append);
+void sagi_params_empty(sagi_params *params);
+// Adds the parameters that stand there, until something is no string; that token stays unread.
+sag_status sagi_params_parse(sagi_params *params, sagi_cursor *cursor);
 // Fails the list (keeping the first failure), with the place of `param` or, NULL, of the directive.
 sag_status sagi_params_fail(sagi_params *params, const sagi_param *param, const char *format, ...)
     SAG_PRINTF(3, 4);
 
-// The parameter of that name, NULL when there is none; marks it used. One of another type than in the mask
-// fails the list and is NULL too. So does, for the functions below, a wrong number of values.
+// The last parameter of that name, NULL when there is none; marks it used. One of another type than in the
+// mask fails the list and is NULL too. So does, for the functions below, a wrong number of values.
 sagi_param *sagi_params_find(sagi_params *params, const char *name, unsigned types);
 double sagi_params_float(sagi_params *params, const char *name, double otherwise);
 int32_t sagi_params_integer(sagi_params *params, const char *name, int32_t otherwise);

@@ -51,8 +51,18 @@ static void test_errors_have_their_place(void **state) {
     scene_fails(W "Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 1]", 2, 44, "before the ]");
     scene_fails(W "Transform [0 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1]", 2, 1, "singular");
     scene_fails(W "Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1]", 2, 1, "projective");
-    scene_fails(W "AttributeEnd", 2, 1, "without AttributeBegin");
-    scene_fails(W "AttributeBegin\nTransformBegin\nAttributeEnd", 4, 1, "TransformBegin of line 3 is open");
+    scene_fails(W "AttributeBegin\nTransformBegin\nAttributeEnd", 2, 1, "never closed by AttributeEnd");
+    scene_fails(W "AttributeBegin\nObjectBegin \"a\"\nAttributeEnd", 4, 1, "ObjectBegin of line 3 is open");
+    scene_fails(W "ObjectEnd", 2, 1, "ObjectEnd without ObjectBegin");
+    scene_fails(W "WorldEnd", 2, 1, "unknown directive WorldEnd: a pbrt-v4 scene ends with its file");
+    scene_fails(W "Shape \"sphere\" \"color radius\" 1", 2, 16,
+                "unknown parameter type \"color\": pbrt-v4 calls");
+    scene_fails(W "MakeNamedMedium \"m\" MakeNamedMedium \"m\"", 2, 21, "a medium \"m\" already");
+    scene_fails(W "MediumInterface \"fog\" \"\"", 2, 1, "never made");
+    scene_fails("Option \"speed\" 3", 1, 1, "unknown option \"speed\"");
+    scene_fails("Option \"forcediffuse\" 3", 1, 23, "true or false expected");
+    scene_fails("Option \"seed\" \"3\"", 1, 15, "an integer expected");
+    scene_fails("Option \"rendercoordsys\" 3", 1, 25, "a string expected");
     scene_fails(W "  AttributeBegin", 2, 3, "never closed by AttributeEnd");
     scene_fails(W "ObjectBegin \"a\"", 2, 1, "never closed by ObjectEnd");
     scene_fails(W "ObjectBegin \"a\" ObjectBegin \"b\"", 2, 17, "within an object");
@@ -122,12 +132,19 @@ static void test_errors_have_their_place(void **state) {
 static void test_marks_options_and_repetitions(void **state) {
     (void)state;
     sag_world_destroy(
-        scene_load_good("\xef\xbb\xbfOption \"seed\" 3\nOption \"bool disablepixeljitter\" [ true ]\n" W
+        scene_load_good("\xef\xbb\xbfOption \"seed\" 3\nOption \"bool disable-pixel_Jitter\" [ true ]\n" W
                         "Shape \"sphere\" \"float radius\" 2 \"float radius\" 1"));
-    assert_int_equal(scene_warning_count, 3);
-    assert_non_null(strstr(scene_warnings, "scene.pbrt:1:4: warning: Option \"seed\" has no effect"));
+    assert_int_equal(scene_warning_count, 2);
+    assert_non_null(strstr(scene_warnings, "scene.pbrt:2:1: warning: Option \"disablepixeljitter\" has no"));
     assert_non_null(
-        strstr(scene_warnings, ":4:33: warning: Shape \"sphere\": \"radius\" is given again: the first one"));
+        strstr(scene_warnings, ":4:16: warning: Shape \"sphere\": \"radius\" is given again: the last one"));
+    sag_world_destroy(
+        scene_load_good(W "AttributeEnd TransformBegin Material \"diffuse\" AttributeEnd\nTransformEnd"));
+    assert_int_equal(scene_warning_count, 3);
+    assert_non_null(strstr(scene_warnings, ":2:1: warning: AttributeEnd without AttributeBegin: ignored"));
+    assert_non_null(
+        strstr(scene_warnings, ":2:14: warning: TransformBegin is AttributeBegin by another name"));
+    assert_non_null(strstr(scene_warnings, ":3:1: warning: TransformEnd without TransformBegin: ignored"));
     scene_fails("Option \"seed\"", 1, 14, "no value");
     scene_fails("Option \"seed\" [3 4]", 1, 18, "] expected");
     scene_fails(W "LightSource \"infinite\" \"string filename\" \"nowhere.exr\"", 2, 24,
