@@ -462,6 +462,8 @@ typedef struct sag_render_stats {
     uint32_t bad_told;       ///< how many are in bad[]
     sag_bad_sample bad[SAG_BAD_SAMPLES]; ///< the first ones, by row, column and sample
     double build_seconds, trace_seconds;
+    double thread_seconds;    ///< of tracing, all threads together
+    double traversal_seconds; ///< of those, in finding what rays hit
 } sag_render_stats;
 
 typedef struct sag_render sag_render;

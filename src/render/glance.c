@@ -23,8 +23,7 @@ void sagi_glance_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t 
 
 void sagi_glance_finish(sag_render *render, sagi_wave *wave) {
     const bool depth = render->settings.integrator == SAG_INTEGRATOR_DEPTH;
-    wave->rays_traced += wave->path_count;
-    sag_intersect_batch(render->scene, wave->rays, wave->hits, wave->path_count);
+    sagi_wave_intersect(wave, wave->rays, wave->path_count);
     for (uint32_t i = 0; i < wave->path_count; i++) {
         const sag_hit *hit = &wave->hits[i];
         sag_rgb value = {0, 0, 0};

@@ -32,7 +32,7 @@ struct sag_render {
     double max_component;                     // of a sample
     sagi_pixel *pixels;                       // width·height
     uint32_t *tile_done;                      // samples taken of each pixel of a tile
-    atomic_uint_fast64_t rays, camera_samples, bad_samples;
+    atomic_uint_fast64_t rays, camera_samples, bad_samples, thread_ns, traversal_ns;
     atomic_uint_fast64_t first_bad[SAG_BAD_SAMPLES]; // row, column and number, sorted; all ones: none
     double build_seconds, trace_seconds;
     sagi_wave *waves;    // one for each thread that takes part

@@ -9,16 +9,9 @@
 #include "job.h"
 
 #include <string.h>
-#include <time.h>
 
 #define REPORT_SECONDS 0.1
 #define LONGEST_PASS   32u // samples per pixel
-
-static double clock_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 // Whether rays may have to pass some surface; see sagi_trace.
 static bool sees_through(const sag_world *world) {
@@ -47,14 +40,14 @@ static sag_status make_waves(sag_render *render, sag_error *error) {
 
 static sag_status prepare(sag_render *render, sag_error *error) {
     sag_world *world = render->world;
-    double start = clock_seconds();
+    double start = sagi_clock_seconds();
     sag_status status = sag_scene_commit(world->scene, error);
     if (status != SAG_OK) return status;
     render->scene = world->scene;
     render->see_through = sees_through(world);
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
-    render->build_seconds = clock_seconds() - start;
+    render->build_seconds = sagi_clock_seconds() - start;
     if (sagi_is_spectral(render) && render->lights.light_count + render->lights.areas.count == 0)
         sag_context_log(world->context, SAG_LOG_WARNING,
                         "there is no light in the scene: the picture is black");
@@ -152,7 +145,7 @@ static void finish_wave(sag_render *render, sagi_wave *wave, bool glance) {
 
 static void report(sag_render *render) {
     if (!render->progress || atomic_flag_test_and_set(&render->reporting)) return;
-    double now = clock_seconds();
+    double now = sagi_clock_seconds();
     if (now >= render->next_report) {
         render->next_report = now + REPORT_SECONDS;
         sag_progress progress = {.samples_done = atomic_load(&render->camera_samples),
@@ -181,6 +174,8 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     uint32_t x1 = x0 + SAGI_TILE_SIZE < render->width ? x0 + SAGI_TILE_SIZE : render->width;
     uint32_t y1 = y0 + SAGI_TILE_SIZE < render->height ? y0 + SAGI_TILE_SIZE : render->height;
     wave->rays_traced = 0;
+    wave->traversal_seconds = 0;
+    const double start = sagi_clock_seconds();
     const bool glance = sagi_can_glance(render);
     for (uint32_t i = 0; i < SAGI_TILE_SIZE * SAGI_TILE_SIZE; i++) {
         const uint32_t x = x0 + along(i), y = y0 + along(i >> 1);
@@ -197,6 +192,8 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     finish_wave(render, wave, glance);
     render->tile_done[index] = end;
     atomic_fetch_add(&render->rays, wave->rays_traced);
+    atomic_fetch_add(&render->traversal_ns, (uint64_t)(1e9 * wave->traversal_seconds));
+    atomic_fetch_add(&render->thread_ns, (uint64_t)(1e9 * (sagi_clock_seconds() - start)));
     atomic_fetch_add(&render->camera_samples, (uint64_t)(x1 - x0) * (y1 - y0) * (end - first));
     report(render);
 }
@@ -215,7 +212,7 @@ static void run_tiles(void *argument, size_t wave) {
 sag_status sag_render_run(sag_render *render, sag_progress_callback progress, void *user, sag_error *error) {
     render->progress = progress;
     render->progress_user = user;
-    render->run_start = clock_seconds();
+    render->run_start = sagi_clock_seconds();
     render->next_report = render->run_start;
     atomic_store(&render->cancelled, false);
     size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
@@ -234,7 +231,7 @@ sag_status sag_render_run(sag_render *render, sag_progress_callback progress, vo
         render->next_report = 0;
         report(render); // the last one says all is done
     }
-    render->trace_seconds += clock_seconds() - render->run_start;
+    render->trace_seconds += sagi_clock_seconds() - render->run_start;
     // Asked to stop with the last tile done already is no cancellation.
     for (size_t i = 0; i < tile_count; i++)
         if (render->tile_done[i] < total)
@@ -262,6 +259,8 @@ void sag_render_get_stats(const sag_render *render, sag_render_stats *stats) {
                                 .camera_samples = atomic_load(&render->camera_samples),
                                 .bad_samples = atomic_load(&render->bad_samples),
                                 .build_seconds = render->build_seconds,
-                                .trace_seconds = render->trace_seconds};
+                                .trace_seconds = render->trace_seconds,
+                                .thread_seconds = 1e-9 * (double)atomic_load(&render->thread_ns),
+                                .traversal_seconds = 1e-9 * (double)atomic_load(&render->traversal_ns)};
     stats->bad_told = sagi_film_first_bad(render, stats->bad);
 }

@@ -93,10 +93,16 @@ static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *
     return false;
 }
 
+void sagi_wave_intersect(sagi_wave *wave, const sag_ray *rays, uint32_t count) {
+    const double start = sagi_clock_seconds();
+    sag_intersect_batch(wave->render->scene, rays, wave->hits, count);
+    wave->traversal_seconds += sagi_clock_seconds() - start;
+    wave->rays_traced += count;
+}
+
 // All paths' next step.
 static void step_all(sagi_wave *wave) {
-    wave->rays_traced += wave->active_count;
-    sag_intersect_batch(wave->render->scene, wave->rays, wave->hits, wave->active_count);
+    sagi_wave_intersect(wave, wave->rays, wave->active_count);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < wave->active_count; i++) {
         sagi_path *path = wave->active[i];
@@ -112,8 +118,10 @@ static void add_light(const sagi_shadow *shadow) { shadow->path->radiance += sha
 
 // The light of this step, where nothing is in its way.
 static void add_lights(sagi_wave *wave) {
-    wave->rays_traced += wave->shadow_count;
+    const double start = sagi_clock_seconds();
     sag_occluded_batch(wave->render->scene, wave->shadow_rays, wave->occluded, wave->shadow_count);
+    wave->traversal_seconds += sagi_clock_seconds() - start;
+    wave->rays_traced += wave->shadow_count;
     for (uint32_t i = 0; i < wave->shadow_count; i++)
         if (!wave->occluded[i]) add_light(&wave->shadows[i]);
     wave->shadow_count = 0;
@@ -122,8 +130,7 @@ static void add_lights(sagi_wave *wave) {
 // The same where shadow rays may have to go on: each round brings them to the next surface.
 static void add_lights_through(sagi_wave *wave) {
     for (uint32_t round = 0; round < SAGI_MAX_PASSED && wave->shadow_count > 0; round++) {
-        wave->rays_traced += wave->shadow_count;
-        sag_intersect_batch(wave->render->scene, wave->shadow_rays, wave->hits, wave->shadow_count);
+        sagi_wave_intersect(wave, wave->shadow_rays, wave->shadow_count);
         uint32_t kept = 0;
         for (uint32_t i = 0; i < wave->shadow_count; i++) {
             sag_ray ray = wave->shadow_rays[i];

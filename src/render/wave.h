@@ -7,6 +7,8 @@
 #include "light.h"
 #include "sampler.h"
 
+#include <time.h>
+
 // How many paths a wave has at most: enough that the last few, which trace in small batches, do not matter;
 // few enough that all that belongs to them (about half a kilobyte each) stays in a core's own cache.
 #define SAGI_WAVE_SIZE 1024u
@@ -33,6 +35,12 @@ typedef struct sagi_path {
     bool scattered;          // the path has met a surface that is no mirror or glass
     bool dispersed;          // only the first wavelength is left
 } sagi_path;
+
+static inline double sagi_clock_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
 
 // What a ray has met: the nearest surface that is really there, its normals turned to the front.
 typedef struct sagi_meeting {
@@ -74,6 +82,7 @@ typedef struct sagi_wave {
     sagi_light_sample *samples; // what the shadow rays go to; only where they may have to go on, else NULL
     sagi_glance *glances;       // samples that are no paths (glance.c)
     uint64_t rays_traced;
+    double traversal_seconds; // within the scene's queries
 } sagi_wave;
 
 // False when memory is short; clear it then too. `wave` is zeroed.
@@ -88,6 +97,9 @@ void sagi_wave_follow(sagi_wave *wave);
 // step.
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
                          const sagi_light_sample *sample, sagi_spectrum light);
+
+// The scene's batch query, counted and timed.
+void sagi_wave_intersect(sagi_wave *wave, const sag_ray *rays, uint32_t count);
 
 // Samples that are no more than the hit of the camera's ray (glance.c): whether this render's are; starting
 // some, as sagi_wave_start does; tracing all that were started and adding them to their pixels.
