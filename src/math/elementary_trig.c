@@ -166,16 +166,17 @@ static sagi_dd arc(double low, double high) {
         {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
         {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55},
     };
-    const double ratio = low / high;
-    if (ratio < 0x1p-30) return (sagi_dd){ratio, 0};
+    if (low < 0x1p-30 * high) return (sagi_dd){low / high, 0};
     if (high > 0x1p500) low *= 0x1p-600, high *= 0x1p-600;
     if (high < 0x1p-400) low *= 0x1p600, high *= 0x1p600;
-    const int i = (int)(8 * ratio + 0.5);
+    const int i = (int)(8 * (low / high) + 0.5);
     // (t − c)/(1 + t c) = (low − c high)/(high + c low)
     const double c = i * 0.125;
     const sagi_dd above = sagi_dd_add_double(sagi_two_prod(-c, high), low),
                   below = sagi_dd_add_double(sagi_two_prod(c, low), high);
-    const sagi_dd u = sagi_dd_div(above, below);
+    sagi_dd u = {above.hi / below.hi, 0};
+    const sagi_dd back = sagi_two_prod(u.hi, below.hi);
+    u.lo = ((above.hi - back.hi) - back.lo + above.lo - u.hi * below.lo) / below.hi;
     const double z = u.hi * u.hi;
     double s = 1.0 / 13;
     s = s * z - 1.0 / 11;

@@ -27,7 +27,8 @@ typedef struct sagi_sampler_plan {
     uint64_t digit_mask;       // Z-order: the upper bit of each whole digit of the reversed code
     uint64_t seed;
     uint64_t seeds[SAGI_SEEDED_DIMENSIONS];
-    uint32_t columns[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS]; // Sobol': bit i is digit i
+    // Sobol': what each byte of an index adds to the point, bit i being digit i.
+    uint32_t sums[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS / 8][256];
 } sagi_sampler_plan;
 
 typedef struct sagi_sampler {
@@ -59,7 +60,7 @@ sag_vec2 sagi_sampler_pixel(sagi_sampler *sampler);
 // Where `index` goes in the pseudo-random permutation of [0, count) that `seed` names.
 uint32_t sagi_permute(uint32_t index, uint32_t count, uint32_t seed);
 
-// Fills in the columns (sobol_dimensions.c).
+// Fills in the columns, bit i being digit i (sobol_dimensions.c).
 void sagi_sobol_columns(uint32_t columns[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS]);
 
 // Halton's points (halton.c): the index of the first sample of a pixel (in the lowest bits, the pixel's tile
