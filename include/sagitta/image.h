@@ -11,11 +11,20 @@
 extern "C" {
 #endif
 
+/// Linear RGB: which primaries and white.
+typedef enum sag_color_space {
+    SAG_COLOR_SRGB,       ///< Rec. ITU-R BT.709, D65
+    SAG_COLOR_DCI_P3,     ///< P3 with the white of D65 (Display P3)
+    SAG_COLOR_REC2020,    ///< Rec. ITU-R BT.2020, D65
+    SAG_COLOR_ACES2065_1, ///< SMPTE ST 2065-1, about D60
+} sag_color_space;
+
 /// A picture: pixels[(y·width + x)·channels + c], allocated from the context it was made with. channels: 1
 /// grey, 2 grey + alpha, 3 RGB, 4 RGBA.
 typedef struct sag_image {
     uint32_t width, height, channels;
     float *pixels;
+    sag_color_space color_space; ///< of red, green and blue
 } sag_image;
 
 /// Largest width or height of an image.
@@ -36,18 +45,20 @@ typedef enum sag_encoding {
 } sag_encoding;
 
 /// Reads PNG, JPEG, TGA, BMP, QOI, HDR (Radiance), EXR or PFM; the kind is told by the content, not the name.
-/// Alpha is kept, and always linear. EXR: the channels R G B and A, or Y, or the first; of the first part. A
-/// file that ends too soon is an error, never a picture with a grey end. Threads: any
-/// (tests/render/test_images.c). Errors: SAG_ERROR_IO with the path, SAG_ERROR_FORMAT for damaged or foreign
-/// content, SAG_ERROR_MEMORY. Never crashes on hostile input.
+/// Alpha is kept, and always linear. The colour space is sRGB's but for an EXR whose chromaticities are
+/// another's. EXR: the channels R G B and A, or Y, or the first; of the first part. A file that ends too soon
+/// is an error, never a picture with a grey end. Threads: any (tests/render/test_images.c). Errors:
+/// SAG_ERROR_IO with the path, SAG_ERROR_FORMAT for damaged or foreign content, SAG_ERROR_MEMORY. Never
+/// crashes on hostile input.
 SAG_API sag_status sag_image_read(const sag_context *context, const char *path, sag_encoding encoding,
                                   sag_image *image, sag_error *error);
 
 /// Writes by the name's ending, in either case: .png (8-bit sRGB, clipped to [0, 1], rounded to the nearest,
-/// NaN as 0), .pfm (without alpha) and .exr (32-bit float, ZIP; channels R G B A or Y A), both linear and
-/// exact. The file appears whole or not at all: it is written beside its place under a temporary name, then
-/// renamed; a pipe or device is written to directly. Directories are not made. SAG_ERROR_ARGUMENT for another
-/// ending or an empty image, SAG_ERROR_IO with the system's reason.
+/// NaN as 0; other colour spaces are converted), .pfm (without alpha) and .exr (32-bit float, ZIP; channels R
+/// G B A or Y A, with the colour space's chromaticities), both linear and exact. The file appears whole or
+/// not at all: it is written beside its place under a temporary name, then renamed; a pipe or device is
+/// written to directly. Directories are not made. SAG_ERROR_ARGUMENT for another ending or an empty image,
+/// SAG_ERROR_IO with the system's reason.
 SAG_API sag_status sag_image_write(const sag_context *context, const sag_image *image, const char *path,
                                    sag_error *error);
 

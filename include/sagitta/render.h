@@ -24,14 +24,6 @@ typedef struct sag_rgb {
 // -----------------------------------------------------------------------------------------------------------
 // spectra
 
-/// Linear RGB: which primaries and white.
-typedef enum sag_color_space {
-    SAG_COLOR_SRGB,       ///< Rec. ITU-R BT.709, D65
-    SAG_COLOR_DCI_P3,     ///< P3 with the white of D65 (Display P3)
-    SAG_COLOR_REC2020,    ///< Rec. ITU-R BT.2020, D65
-    SAG_COLOR_ACES2065_1, ///< SMPTE ST 2065-1, about D60
-} sag_color_space;
-
 /// A spectrum of a world, counted from 1; 0 is "none".
 typedef uint32_t sag_spectrum_id;
 

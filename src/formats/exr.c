@@ -7,6 +7,9 @@
 
 #if SAGITTA_HAVE_OPENEXR
 
+#include "render/colorspace.h"
+
+#include <math.h>
 #include <openexr.h>
 #include <string.h>
 
@@ -65,6 +68,36 @@ static selection select_channels(const exr_attr_chlist_t *list) {
     }
     if (has_channel(list, "A") && strcmp(s.names[0], "A") != 0) s.names[s.count++] = "A";
     return s;
+}
+
+// The chromaticities of a colour space, and the space that has these, to 0.001 as pbrt-v4 takes it; sRGB when
+// none.
+static exr_attr_chromaticities_t chromaticities_of(sag_color_space space) {
+    const sagi_color_space *s = &sagi_color_spaces[space];
+    const double sum = s->white[0] + s->white[1] + s->white[2];
+    return (exr_attr_chromaticities_t){.red_x = (float)s->primaries[0][0],
+                                       .red_y = (float)s->primaries[0][1],
+                                       .green_x = (float)s->primaries[1][0],
+                                       .green_y = (float)s->primaries[1][1],
+                                       .blue_x = (float)s->primaries[2][0],
+                                       .blue_y = (float)s->primaries[2][1],
+                                       .white_x = (float)(s->white[0] / sum),
+                                       .white_y = (float)(s->white[1] / sum)};
+}
+
+static bool is_near(float a, float b) { return fabsf(a - b) < 1e-3F; }
+
+static sag_color_space find_space(exr_const_context_t exr) {
+    exr_attr_chromaticities_t c;
+    if (exr_attr_get_chromaticities(exr, 0, "chromaticities", &c) != EXR_ERR_SUCCESS) return SAG_COLOR_SRGB;
+    for (int i = 0; i < SAGI_COLOR_SPACE_COUNT; i++) {
+        const exr_attr_chromaticities_t s = chromaticities_of((sag_color_space)i);
+        if (is_near(s.red_x, c.red_x) && is_near(s.red_y, c.red_y) && is_near(s.green_x, c.green_x) &&
+            is_near(s.green_y, c.green_y) && is_near(s.blue_x, c.blue_x) && is_near(s.blue_y, c.blue_y) &&
+            is_near(s.white_x, c.white_x) && is_near(s.white_y, c.white_y))
+            return (sag_color_space)i;
+    }
+    return SAG_COLOR_SRGB;
 }
 
 // Reads one chunk (a band of scan lines, or a tile) to column x and row y of the image.
@@ -148,6 +181,7 @@ static sag_status read_part(const reader *r, sag_image *image, sag_error *error)
         sagi_image_create_for(r->source, width < 1 ? 0 : (uint64_t)width, height < 1 ? 0 : (uint64_t)height,
                               s.count, 32, 8 * 1032, "EXR", image, error);
     if (status != SAG_OK) return status;
+    image->color_space = find_space(r->exr);
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
     code = storage == EXR_STORAGE_TILED ? read_tiles(r, &s, &pipeline, image)
                                         : read_scanlines(r, &window, &s, &pipeline, image);
@@ -254,6 +288,9 @@ sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FI
             code = exr_initialize_required_attr_simple(exr, 0, (int32_t)image->width, (int32_t)image->height,
                                                        EXR_COMPRESSION_ZIP);
         if (code == EXR_ERR_SUCCESS) code = add_channels(exr, image->channels, component);
+        const exr_attr_chromaticities_t chromaticities = chromaticities_of(image->color_space);
+        if (code == EXR_ERR_SUCCESS)
+            code = exr_attr_set_chromaticities(exr, 0, "chromaticities", &chromaticities);
         if (code == EXR_ERR_SUCCESS) code = exr_write_header(exr);
         if (code == EXR_ERR_SUCCESS) code = write_lines(exr, image, component, &pipeline);
         exr_encoding_destroy(exr, &pipeline);

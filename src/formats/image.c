@@ -25,7 +25,7 @@ sag_status sag_image_create(const sag_context *context, uint32_t width, uint32_t
         return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for an image of %u×%u, %zu bytes", width,
                              height, bytes);
     memset(pixels, 0, bytes);
-    *image = (sag_image){width, height, channels, pixels};
+    *image = (sag_image){.width = width, .height = height, .channels = channels, .pixels = pixels};
     return SAG_OK;
 }
 
@@ -61,7 +61,7 @@ static sag_status keep_bytes(const sagi_image_source *source, uint32_t width, ui
     if (!kept->bytes)
         return sag_error_set_at(error, SAG_ERROR_MEMORY, source->path, 0, 0,
                                 "out of memory for an image of %u×%u", width, height);
-    *image = (sag_image){width, height, channels, NULL};
+    *image = (sag_image){.width = width, .height = height, .channels = channels};
     return SAG_OK;
 }
 
@@ -160,7 +160,8 @@ static bool ends_with(const char *path, const char *ending) {
 
 sag_status sag_image_write(const sag_context *context, const sag_image *image, const char *path,
                            sag_error *error) {
-    if (!image || !image->pixels || image->channels < 1 || image->channels > 4)
+    if (!image || !image->pixels || image->channels < 1 || image->channels > 4 ||
+        image->color_space > SAG_COLOR_ACES2065_1)
         return sag_error_set_at(error, SAG_ERROR_ARGUMENT, path, 0, 0, "there is no image to write");
     const bool png = ends_with(path, ".png"), pfm = ends_with(path, ".pfm"), exr = ends_with(path, ".exr");
     if (!png && !pfm && !exr)

@@ -3,6 +3,7 @@
 // files are put together. libpng reports errors by longjmp; each function that calls setjmp keeps what it
 // needs afterwards in a struct of its caller, where no register can lose it.
 #include "formats/image.h"
+#include "render/colorspace.h"
 
 #include <math.h>
 #include <png.h>
@@ -108,8 +109,15 @@ static bool write_image(writer *w, FILE *file) {
         // libpng wants whole rows; a band of them on the stack would need a bound, so write through its own.
         png_bytep row = png_malloc(w->png, (size_t)image->width * image->channels);
         for (uint32_t x = 0; x < image->width; x++) {
+            const float *pixel = image->pixels + ((size_t)y * image->width + x) * image->channels;
+            double values[4] = {0};
+            for (uint32_t c = 0; c < image->channels; c++) values[c] = (double)pixel[c];
+            if (image->color_space != SAG_COLOR_SRGB && image->channels >= 3) {
+                const double own[3] = {values[0], values[1], values[2]};
+                sagi_color_convert(image->color_space, SAG_COLOR_SRGB, own, values);
+            }
             for (uint32_t c = 0; c < image->channels; c++) {
-                const double value = image->pixels[((size_t)y * image->width + x) * image->channels + c];
+                const double value = values[c];
                 const bool is_alpha = has_alpha && c == image->channels - 1;
                 row[x * image->channels + c] = to_byte(is_alpha ? value : sag_srgb_encode(value));
             }

@@ -37,6 +37,9 @@ void sagi_matrix_apply(const double m[3][3], const double v[3], double product[3
 // False for a singular one.
 bool sagi_matrix_invert(const double m[3][3], double inverse[3][3]);
 
+// The same colour in another space (an index each); a white is not adapted.
+void sagi_color_convert(int from, int to, const double rgb[3], double converted[3]);
+
 // The coefficients of a reflectance that has the linear colour rgb, each in [0, 1], under the space's white,
 // integrated in steps of so many nm (a divisor of 470); see rgb_solve.c. `c` goes in as the first guess.
 void sagi_color_solve(const sagi_color_space *space, int step, const double rgb[3], double c[3]);

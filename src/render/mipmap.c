@@ -187,7 +187,7 @@ static bool is_half(float value) {
 
 sag_status sagi_mipmap_init(sagi_mipmap *mipmap, const sag_context *context, const sag_image *image,
                             sag_error *error) {
-    *mipmap = (sagi_mipmap){.kind = SAGI_TEXEL_HALF};
+    *mipmap = (sagi_mipmap){.kind = SAGI_TEXEL_HALF, .color_space = image->color_space};
     const uint32_t stride = image->channels;
     const size_t count = (size_t)image->width * image->height;
     const float *pixels = image->pixels;

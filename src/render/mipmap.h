@@ -21,7 +21,8 @@ typedef struct sagi_level {
 
 typedef struct sagi_mipmap {
     sagi_texel_kind kind;
-    uint32_t channels;    // 1, 3 or 4
+    uint32_t channels; // 1, 3 or 4
+    sag_color_space color_space;
     uint32_t level_count; // the last is 1×1; 0: no picture at all
     sagi_level levels[SAGI_MAX_LEVELS];
     void *texels;

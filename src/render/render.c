@@ -250,6 +250,7 @@ sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_
         made.pixels[3 * i + 1] = (float)value.g;
         made.pixels[3 * i + 2] = (float)value.b;
     }
+    if (sagi_is_spectral(render)) made.color_space = render->settings.film.color_space;
     *image = made;
     return SAG_OK;
 }

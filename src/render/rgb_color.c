@@ -68,3 +68,9 @@ sagi_color sagi_color_of_rgb(sag_color_space space, sag_rgb rgb, sagi_rgb_use us
 sagi_color sagi_color_of_texel(sag_color_space space, sag_rgb rgb, sagi_rgb_use use) {
     return make(space, rgb, use, false);
 }
+
+void sagi_color_convert(int from, int to, const double rgb[3], double converted[3]) {
+    double xyz[3];
+    sagi_matrix_apply(sagi_color_spaces[from].to_xyz, rgb, xyz);
+    sagi_matrix_apply(sagi_color_spaces[to].from_xyz, xyz, converted);
+}

@@ -63,12 +63,13 @@ sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 wi, sagi_spect
     }
     if (!has_picture(light)) return sagi_color_at(&light->color, lambda);
     const sag_rgb texel = texel_value(&light->light.image, texel_at(light, wi));
+    const sag_color_space space = light->light.image.color_space;
     if (light->light.spectrum) {
-        const sagi_color filter = sagi_color_of_texel(SAG_COLOR_SRGB, texel, SAGI_RGB_UNBOUNDED);
+        const sagi_color filter = sagi_color_of_texel(space, texel, SAGI_RGB_UNBOUNDED);
         return sagi_color_at(&light->color, lambda) * sagi_color_at(&filter, lambda);
     }
     const sagi_color shown =
-        sagi_color_of_texel(SAG_COLOR_SRGB, sagi_rgb_mul(light->light.color, texel), SAGI_RGB_ILLUMINANT);
+        sagi_color_of_texel(space, sagi_rgb_mul(light->light.color, texel), SAGI_RGB_ILLUMINANT);
     return sagi_color_at(&shown, lambda);
 }
 

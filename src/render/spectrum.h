@@ -96,6 +96,12 @@ typedef enum sagi_rgb_use {
 // components are cut off.
 sagi_color sagi_color_of_rgb(sag_color_space space, sag_rgb rgb, sagi_rgb_use use);
 sagi_color sagi_color_of_texel(sag_color_space space, sag_rgb rgb, sagi_rgb_use use);
+static inline sag_rgb sagi_rgb_convert(sag_color_space from, sag_color_space to, sag_rgb rgb) {
+    const double own[3] = {rgb.r, rgb.g, rgb.b};
+    double other[3];
+    sagi_color_convert((int)from, (int)to, own, other);
+    return sagi_rgb(other[0], other[1], other[2]);
+}
 // A spectrum to linear RGB of a space: of light as it is, of a reflectance under the space's white.
 sag_rgb sagi_color_to_rgb(const sagi_color *color, sag_color_space space, bool light);
 double sagi_color_luminance(const sagi_color *color);

@@ -133,6 +133,11 @@ static sag_rgb picture_color(const sag_world *world, const sagi_texture *entry, 
     return sagi_rgb(fmax(value.r, 0), fmax(value.g, 0), fmax(value.b, 0));
 }
 
+static sag_color_space picture_space(const sag_world *world, const sagi_texture *entry) {
+    const sagi_mipmap *picture = sagi_world_picture(world, entry->texture.picture);
+    return picture ? picture->color_space : SAG_COLOR_SRGB;
+}
+
 static sag_rgb color(const sag_world *world, const sagi_texture *entry, const sagi_spot *at) {
     const sag_texture *texture = &entry->texture;
     if (texture->is_number) return sagi_rgb_grey(number(world, entry, at));
@@ -143,7 +148,11 @@ static sag_rgb color(const sag_world *world, const sagi_texture *entry, const sa
         if (sagi_rgb_is_black(factor)) return sagi_rgb_grey(0);
         return sagi_rgb_mul(factor, sagi_input_rgb(world, &texture->a, at));
     }
-    case SAG_TEXTURE_IMAGE: return picture_color(world, entry, at);
+    case SAG_TEXTURE_IMAGE: {
+        const sag_rgb own = picture_color(world, entry, at);
+        const sag_color_space space = picture_space(world, entry);
+        return space == SAG_COLOR_SRGB ? own : sagi_rgb_convert(space, SAG_COLOR_SRGB, own);
+    }
     case SAG_TEXTURE_FBM:
     case SAG_TEXTURE_WRINKLED:
     case SAG_TEXTURE_WINDY: return sagi_rgb_grey(noise_of(entry, at));
@@ -189,7 +198,11 @@ static sagi_spectrum spectrum(const sag_world *world, const sagi_texture *entry,
         if (sagi_spectrum_is_black(factor)) return sagi_spectrum_all(0);
         return factor * sagi_input_spectrum(world, &texture->a, &colors[0], use, at, lambda);
     }
-    case SAG_TEXTURE_IMAGE:
+    case SAG_TEXTURE_IMAGE: {
+        const sagi_color texel =
+            sagi_color_of_texel(picture_space(world, entry), picture_color(world, entry, at), use);
+        return sagi_color_at(&texel, lambda);
+    }
     case SAG_TEXTURE_MARBLE: {
         const sagi_color texel = sagi_color_of_texel(SAG_COLOR_SRGB, color(world, entry, at), use);
         return sagi_color_at(&texel, lambda);

@@ -480,8 +480,39 @@ static void test_numbers_are_strtods(void **state) {
     assert_non_null(sagi_parse_integer("-17", (const char *)"-17" + 3, &integer));
 }
 
+// A picture's colour space goes into an EXR and comes back; a PNG is sRGB's.
+static void color_spaces_are_kept_or_converted(void **state) {
+    (void)state;
+    // sRGB's red in each space (from the matrices of BT.709, P3-D65, BT.2020), and in ACES, whose white is
+    // another.
+    const float red[3][3] = {{1, 0, 0}, {0.822462F, 0.033194F, 0.017083F}, {0.627404F, 0.069097F, 0.016391F}};
+    for (int space = SAG_COLOR_SRGB; space <= SAG_COLOR_ACES2065_1; space++) {
+        sag_image image, back;
+        assert_int_equal(sag_image_create(context, 2, 1, 3, &image, NULL), SAG_OK);
+        image.color_space = (sag_color_space)space;
+        for (int k = 0; k < 3; k++) image.pixels[k] = space < 3 ? red[space][k] : 0, image.pixels[3 + k] = 1;
+        const char *exr = in_folder("space.exr"), *png = in_folder("space.png");
+        assert_int_equal(sag_image_write(context, &image, exr, NULL), SAG_OK);
+        assert_int_equal(sag_image_write(context, &image, png, NULL), SAG_OK);
+        sag_image_clear(context, &image);
+        assert_int_equal(sag_image_read(context, exr, SAG_ENCODING_DEFAULT, &back, NULL), SAG_OK);
+        assert_int_equal(back.color_space, space);
+        assert_true(back.pixels[3] == 1);
+        sag_image_clear(context, &back);
+        assert_int_equal(sag_image_read(context, png, SAG_ENCODING_DEFAULT, &back, NULL), SAG_OK);
+        assert_int_equal(back.color_space, SAG_COLOR_SRGB);
+        if (space < 3) {
+            assert_true(back.pixels[0] == 1 && back.pixels[1] < 1e-3F && back.pixels[2] < 1e-3F);
+            assert_true(back.pixels[3] == 1 && back.pixels[4] > 0.99F && back.pixels[5] > 0.99F);
+        }
+        sag_image_clear(context, &back);
+        remove(exr), remove(png);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(color_spaces_are_kept_or_converted),
         cmocka_unit_test(test_floats_come_back_exactly),
         cmocka_unit_test(test_png_rounds_to_the_nearest_byte),
         cmocka_unit_test(test_srgb_is_its_own_inverse),
