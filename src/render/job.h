@@ -12,6 +12,15 @@
 
 #define SAGI_TILE_SIZE 16u
 
+// Every second bit, from the lowest: pixels in Morton's order, so that any sixteen one after the other are
+// neighbours, whose rays run together.
+static inline uint32_t sagi_along(uint32_t i) {
+    i &= 0x55;
+    i = (i | i >> 1) & 0x33;
+    return (i | i >> 2) & 0x0F;
+}
+_Static_assert(SAGI_TILE_SIZE == 16, "sagi_along takes four bits");
+
 struct sag_render {
     sag_world *world;
     sag_context *context;

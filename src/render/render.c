@@ -129,11 +129,7 @@ static sag_rgb path_value(const sag_render *render, const sagi_path *path) {
 }
 
 // Follows the wave's paths to their ends and adds each sample to its pixel.
-static void finish_wave(sag_render *render, sagi_wave *wave, bool glance) {
-    if (glance) {
-        sagi_glance_finish(render, wave);
-        return;
-    }
+static void finish_wave(sag_render *render, sagi_wave *wave) {
     sagi_wave_follow(wave);
     for (uint32_t i = 0; i < wave->path_count; i++) {
         const sagi_path *path = &wave->paths[i];
@@ -157,44 +153,42 @@ static void report(sag_render *render) {
     atomic_flag_clear(&render->reporting);
 }
 
-// Every second bit, from the lowest: pixels in Morton's order, so that any sixteen one after the other are
-// neighbours, whose rays run together.
-static uint32_t along(uint32_t i) {
-    i &= 0x55;
-    i = (i | i >> 1) & 0x33;
-    return (i | i >> 2) & 0x0F;
+// Takes a tile's samples, a wave at a time.
+static void follow_tile(sag_render *render, sagi_wave *wave, const sagi_tile *tile) {
+    for (uint32_t i = 0; i < SAGI_TILE_SIZE * SAGI_TILE_SIZE; i++) {
+        const uint32_t x = tile->x0 + sagi_along(i), y = tile->y0 + sagi_along(i >> 1);
+        if (x >= tile->x1 || y >= tile->y1) continue;
+        sagi_pixel *pixel = &render->pixels[(size_t)y * render->width + x];
+        for (uint32_t k = tile->first, next; k < tile->end; k = next) {
+            const uint32_t room = render->wave_size - wave->path_count;
+            next = tile->end - k < room ? tile->end : k + room;
+            sagi_wave_start(wave, pixel, render->first_x + x, render->first_y + y, k, next);
+            if (wave->path_count == render->wave_size) finish_wave(render, wave);
+        }
+    }
+    finish_wave(render, wave);
 }
-_Static_assert(SAGI_TILE_SIZE == 16, "along() takes four bits");
 
 static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
-    uint32_t first = render->tile_done[index], end = render->pass_end;
-    if (first >= end) return;
-    uint32_t x0 = (uint32_t)(index % render->tiles_x) * SAGI_TILE_SIZE;
-    uint32_t y0 = (uint32_t)(index / render->tiles_x) * SAGI_TILE_SIZE;
-    uint32_t x1 = x0 + SAGI_TILE_SIZE < render->width ? x0 + SAGI_TILE_SIZE : render->width;
-    uint32_t y1 = y0 + SAGI_TILE_SIZE < render->height ? y0 + SAGI_TILE_SIZE : render->height;
+    sagi_tile tile = {.first = render->tile_done[index], .end = render->pass_end};
+    if (tile.first >= tile.end) return;
+    tile.x0 = (uint32_t)(index % render->tiles_x) * SAGI_TILE_SIZE;
+    tile.y0 = (uint32_t)(index / render->tiles_x) * SAGI_TILE_SIZE;
+    tile.x1 = tile.x0 + SAGI_TILE_SIZE < render->width ? tile.x0 + SAGI_TILE_SIZE : render->width;
+    tile.y1 = tile.y0 + SAGI_TILE_SIZE < render->height ? tile.y0 + SAGI_TILE_SIZE : render->height;
     wave->rays_traced = 0;
     wave->traversal_seconds = 0;
     const double start = sagi_clock_seconds();
-    const bool glance = sagi_can_glance(render);
-    for (uint32_t i = 0; i < SAGI_TILE_SIZE * SAGI_TILE_SIZE; i++) {
-        const uint32_t x = x0 + along(i), y = y0 + along(i >> 1);
-        if (x >= x1 || y >= y1) continue;
-        sagi_pixel *pixel = &render->pixels[(size_t)y * render->width + x];
-        for (uint32_t k = first, next; k < end; k = next) {
-            const uint32_t room = render->wave_size - wave->path_count;
-            next = end - k < room ? end : k + room;
-            (glance ? sagi_glance_start : sagi_wave_start)(wave, pixel, render->first_x + x,
-                                                           render->first_y + y, k, next);
-            if (wave->path_count == render->wave_size) finish_wave(render, wave, glance);
-        }
-    }
-    finish_wave(render, wave, glance);
-    render->tile_done[index] = end;
+    if (sagi_can_glance(render))
+        sagi_glance_tile(render, wave, &tile);
+    else
+        follow_tile(render, wave, &tile);
+    render->tile_done[index] = tile.end;
     atomic_fetch_add(&render->rays, wave->rays_traced);
     atomic_fetch_add(&render->traversal_ns, (uint64_t)(1e9 * wave->traversal_seconds));
     atomic_fetch_add(&render->thread_ns, (uint64_t)(1e9 * (sagi_clock_seconds() - start)));
-    atomic_fetch_add(&render->camera_samples, (uint64_t)(x1 - x0) * (y1 - y0) * (end - first));
+    atomic_fetch_add(&render->camera_samples,
+                     (uint64_t)(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * (tile.end - tile.first));
     report(render);
 }
 

@@ -133,7 +133,7 @@ void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
     case SAG_SAMPLER_INDEPENDENT:
     case SAG_SAMPLER_STRATIFIED:
     case SAG_SAMPLER_PADDED_SOBOL:
-        sampler->key = sagi_mix(plan->seed ^ sagi_mix((uint64_t)y << 32 | x));
+        sampler->key = sagi_sampler_hash(plan, x, y);
         break;
     case SAG_SAMPLER_SOBOL:
     case SAG_SAMPLER_ZSOBOL:

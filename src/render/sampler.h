@@ -44,6 +44,10 @@ typedef struct sagi_sampler {
 // sampler that cannot be randomized as asked. *plan outlives the samplers that use it.
 sag_status sagi_sampler_plan_init(sagi_sampler_plan *plan, const sag_settings *settings, sag_error *error);
 void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y);
+// The key of those samplers whose key is a hash.
+static inline uint64_t sagi_sampler_hash(const sagi_sampler_plan *plan, uint32_t x, uint32_t y) {
+    return sagi_mix(plan->seed ^ sagi_mix((uint64_t)y << 32 | x));
+}
 void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample);
 
 // 64 random bits for this pixel, sample and dimension, of the samplers whose key is a hash.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The camera's ray for a sample: sampler, filter and camera in one. The usual ones (independent samples, a
-// box filter, a pinhole) are in line and otherwise the same calculations as the functions': a scene of which
-// only the depth is wanted is traced about as quickly as its rays are made.
+// box filter, a pinhole) are in line and otherwise the same calculations as the functions'.
 #ifndef SAGI_RENDER_START_H
 #define SAGI_RENDER_START_H
 

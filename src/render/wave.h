@@ -13,6 +13,12 @@
 // few enough that all that belongs to them (about half a kilobyte each) stays in a core's own cache.
 #define SAGI_WAVE_SIZE 1024u
 
+// Some of the pixels there are sums of, [x0, x1) × [y0, y1), and which of their samples are to be taken.
+typedef struct sagi_tile {
+    uint32_t x0, y0, x1, y1;
+    uint32_t first, end;
+} sagi_tile;
+
 // One sample under way: a path from the camera, and the light it has brought so far.
 typedef struct sagi_path {
     sagi_sampler sampler;
@@ -101,12 +107,10 @@ void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *fr
 // The scene's batch query, counted and timed.
 void sagi_wave_intersect(sagi_wave *wave, const sag_ray *rays, uint32_t count);
 
-// Samples that are no more than the hit of the camera's ray (glance.c): whether this render's are; starting
-// some, as sagi_wave_start does; tracing all that were started and adding them to their pixels.
+// Whether samples are no more than the hits of the camera's rays; takes those of a tile and adds them to
+// their pixels (glance.c).
 bool sagi_can_glance(const sag_render *render);
-void sagi_glance_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
-                       uint32_t end);
-void sagi_glance_finish(sag_render *render, sagi_wave *wave);
+void sagi_glance_tile(sag_render *render, sagi_wave *wave, const sagi_tile *tile);
 // A bright colour of the hit's ids.
 sag_rgb sagi_id_color(const sag_hit *hit);
 
