@@ -20,6 +20,7 @@
 #include "shapes/triangle_solve.h"
 #include "shapes/user.h"
 #include "solid/carved.h"
+#include "solid/dented.h"
 #include "solid/tree.h"
 #include <string.h>
 

@@ -123,12 +123,15 @@ static __attribute__((noinline)) uint32_t packet_ask_four(packet *p, uint32_t ge
     return alone;
 }
 
-static inline bool goes_by_four(const sagi_item *item) {
-    return item->outline != NULL || item->kind == SAG_SHAPE_TORUS;
+#include "kernel/packet_solids.inl"
+
+static inline bool goes_together(const sagi_item *item) {
+    return item->outline != NULL || item->kind == SAG_SHAPE_TORUS ||
+           (item->kind == SAG_SHAPE_INSTANCE && item->child->dented != NULL);
 }
 
-// References of a leaf that a ray meets at τ = begin at the earliest. Those that no way of four is known for
-// are asked together.
+// References of a leaf that a ray meets at τ = begin at the earliest. Those that no way of several rays is
+// known for are asked together.
 static __attribute__((noinline)) void packet_references(packet *p, const sagi_bvh_reference *refs,
                                                         uint32_t count, float begin) {
     p->work++;
@@ -137,13 +140,15 @@ static __attribute__((noinline)) void packet_references(packet *p, const sagi_bv
         const uint32_t rays = rays_left(p, begin);
         if (rays == 0) return;
         const sagi_item *item = &p->world->items[refs[i].geometry];
-        if (goes_by_four(item)) {
+        if (goes_together(item)) {
             if ((p->mask & item->mask) == 0) continue;
-            const uint32_t alone = packet_ask_four(p, refs[i].geometry, rays);
+            const uint32_t alone = item->kind == SAG_SHAPE_INSTANCE
+                                       ? packet_dented(p, refs[i].geometry, begin, rays)
+                                       : packet_ask_four(p, refs[i].geometry, rays);
             if (alone != 0) packet_ask(p, refs + i, 1, alone);
             continue;
         }
-        while (i + n < count && !goes_by_four(&p->world->items[refs[i + n].geometry])) n++;
+        while (i + n < count && !goes_together(&p->world->items[refs[i + n].geometry])) n++;
         if (!put_off_all(p->later, p->world, p->mask, refs + i, n, p->rays, rays))
             packet_ask(p, refs + i, n, rays);
     }

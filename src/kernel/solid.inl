@@ -234,6 +234,13 @@ static inline solid_report report(question asked, solid_walk *w, solid_event *e,
 
 #include "kernel/solid_slow.inl"
 
+static inline void place_line(solid_walk *w) {
+    w->origin = sagi_d4_load((const char *)&w->line + offsetof(sag_ray, origin));
+    w->direction = sagi_d4_load((const char *)&w->line + offsetof(sag_ray, direction));
+    sagi_d4 square = w->direction * w->direction;
+    w->squared = square[0] + square[1] + square[2];
+}
+
 // False when the ray has no business in the solid.
 SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     const sagi_world *world = here->world;
@@ -251,10 +258,7 @@ SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     w->nodes = sagi_solid_nodes(w->solid), w->parts = sagi_solid_parts(w->solid);
     w->line = *here->ray;
     w->line.t_min = -INFINITY, w->line.t_max = INFINITY;
-    w->origin = sagi_d4_load((const char *)&w->line + offsetof(sag_ray, origin));
-    w->direction = sagi_d4_load((const char *)&w->line + offsetof(sag_ray, direction));
-    sagi_d4 square = w->direction * w->direction;
-    w->squared = square[0] + square[1] + square[2];
+    place_line(w);
     w->reach = largest_of_three(sagi_d4_abs(w->origin)) / largest_of_three(sagi_d4_abs(w->direction));
     w->from = here->ray->t_min - tolerance(w, here->ray->t_min);
     w->done = -INFINITY;

@@ -11,6 +11,7 @@
 typedef struct sagi_world sagi_world;
 typedef struct sagi_solid sagi_solid;   // solid/tree.h
 typedef struct sagi_carved sagi_carved; // solid/carved.h
+typedef struct sagi_dented sagi_dented; // solid/dented.h
 
 // Where a geometry or instance stands.
 typedef struct sagi_place {
@@ -47,6 +48,7 @@ struct sagi_world {
     double spread_relative, spread_absolute;
     const sagi_solid *solid;   // of a solid: its tree; else NULL
     const sagi_carved *carved; // of a mesh with parts cut out of it; else NULL
+    const sagi_dented *dented; // of boxes and balls, when they are of that kind; else NULL
 };
 
 #endif

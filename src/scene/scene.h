@@ -14,6 +14,7 @@
 #include "shapes/outline.h"
 #include "shapes/sphere.h"
 #include "solid/carved.h"
+#include "solid/dented.h"
 #include "solid/tree.h"
 #include <stdatomic.h>
 #include <time.h>
@@ -99,6 +100,7 @@ struct sagi_snapshot {
     sagi_solid *solid;    // world.solid
     sag_box3 *part_boxes; // where each part matters
     sagi_carved *carved;  // world.carved
+    sagi_dented *dented;  // world.dented
 };
 
 // A snapshot of `count` empty entries, not yet with a tree; NULL when memory is short.

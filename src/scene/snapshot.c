@@ -48,6 +48,7 @@ void sagi_snapshot_release(sagi_snapshot *s) {
     if (s->part_boxes != NULL)
         sag_release(s->context, s->part_boxes, s->solid->part_count * sizeof *s->part_boxes);
     if (s->solid != NULL) sag_release(s->context, s->solid, sagi_solid_bytes(s->solid));
+    if (s->dented != NULL) sag_release(s->context, s->dented, sizeof *s->dented);
     if (s->carved != NULL) sag_release(s->context, s->carved, sizeof *s->carved);
     sag_release(s->context, s->items, s->count * sizeof *s->items);
     sag_release(s->context, s->entries, s->count * sizeof *s->entries);
@@ -60,6 +61,7 @@ size_t sagi_snapshot_table_bytes(const sagi_snapshot *s) {
     if (s->solid == NULL) return bytes;
     bytes += sagi_solid_bytes(s->solid) + s->solid->part_count * sizeof *s->part_boxes;
     if (s->carved != NULL) bytes += sizeof *s->carved;
+    if (s->dented != NULL) bytes += sizeof *s->dented;
     for (uint32_t i = 0; i < s->count; i++)
         if (s->entries[i].alone != NULL) bytes += sagi_snapshot_table_bytes(s->entries[i].alone);
     return bytes;

@@ -119,6 +119,47 @@ static sag_status set_carved(sagi_snapshot *s) {
     return SAG_OK;
 }
 
+static bool make_dented(const sagi_snapshot *s, uint32_t node, sagi_dented *dented) {
+    const sagi_solid_part *parts = sagi_solid_parts(s->solid);
+    sag_box3 common = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    for (int pass = 0; pass < 3; pass++) { // where it is; the convex ones; the dents
+        if (pass == 1 && !sagi_dented_begin(dented, &common)) return false;
+        if (pass == 2) dented->convex_count = dented->count;
+        for (uint32_t i = 0; i < s->solid->part_count; i++) {
+            const uint32_t id = parts[i].geometry;
+            const sagi_item *item = &s->items[id];
+            const bool is_ball = sagi_is_lone_sphere(item);
+            const bool convex = node == SAG_INVALID_ID ? i == 0 : parts[i].parent == node;
+            if (!s->entries[id].present || item->place != NULL || (!is_ball && item->kind != SAG_SHAPE_BOX))
+                return false;
+            sag_box3 box = s->part_boxes[i];
+            if (pass == 0 && convex) {
+                if (sag_box3_is_empty(&box)) return false;
+                common = box; // all of them have the same one
+            } else if (pass > 0 && convex == (pass == 1) && !sag_box3_is_empty(&box)) {
+                if (!is_ball)
+                    box =
+                        (sag_box3){((const sag_box *)item->shape)->min, ((const sag_box *)item->shape)->max};
+                if (!sagi_dented_add(dented, i, &box, is_ball ? item->shape : NULL)) return false;
+            }
+        }
+    }
+    return true;
+}
+
+// What packets want to know of a few boxes and balls.
+static sag_status set_dented(sagi_snapshot *s) {
+    uint32_t node;
+    if (!sagi_dented_tree(s->solid, &node)) return SAG_OK;
+    sagi_dented *dented = sag_allocate(s->context, sizeof *dented);
+    if (dented == NULL) return SAG_ERROR_MEMORY;
+    if (make_dented(s, node, dented))
+        s->world.dented = s->dented = dented;
+    else
+        sag_release(s->context, dented, sizeof *dented);
+    return SAG_OK;
+}
+
 sag_status sagi_snapshot_measure_parts(sagi_snapshot *s, const sagi_snapshot *before, sag_error *error) {
     const sagi_solid *solid = s->solid;
     const sagi_solid_part *parts = sagi_solid_parts(solid);
@@ -136,5 +177,6 @@ sag_status sagi_snapshot_measure_parts(sagi_snapshot *s, const sagi_snapshot *be
     if (status == SAG_OK) sagi_solid_clip_boxes(solid, s->part_boxes, node_box);
     sag_release(s->context, node_box, bytes);
     if (status == SAG_OK) status = set_carved(s);
+    if (status == SAG_OK) status = set_dented(s);
     return status == SAG_OK ? SAG_OK : sag_error_set(error, status, "out of memory for a solid");
 }
