@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+// Bump maps against the normals of truly displaced surfaces, normal maps against the directions they hold,
+// and surfaces that are there in part.
+// clang-format off
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+#include "render/bump.h"
+#include "support/picture.h"
+#include "support/random.h"
+
+static sag_vec3 random_vector(rng *r) {
+    const double x = rng_uniform(r, -1, 1), y = rng_uniform(r, -1, 1), z = rng_uniform(r, -1, 1);
+    return (sag_vec3){x, y, z};
+}
+
+// The displacement 0.3 u + 0.2 v − 0.1 u v, of a plane with any coordinates.
+static sag_texture_id saddle(sag_world *world) {
+    const sag_texture texture = {.kind = SAG_TEXTURE_BILERP,
+                                 .is_number = true,
+                                 .b.value = {0.2, 0, 0},
+                                 .c.value = {0.3, 0, 0},
+                                 .d.value = {0.4, 0, 0}};
+    return sag_world_add_texture(world, &texture);
+}
+
+static sag_surface plane(rng *r) {
+    sag_surface surface = {.position = random_vector(r), .dpdu = random_vector(r), .dpdv = random_vector(r)};
+    surface.u = rng_uniform(r, -2, 2), surface.v = rng_uniform(r, -2, 2);
+    surface.geometric_normal = sag_normalize(sag_cross(surface.dpdu, surface.dpdv));
+    if (rng_one_in(r, 2)) surface.geometric_normal = sag_neg(surface.geometric_normal);
+    surface.shading_normal = surface.geometric_normal;
+    return surface;
+}
+
+static void bumps_are_the_displaced_surface(void **state) {
+    (void)state;
+    sag_context *context = sag_context_create(NULL);
+    sag_world *world = sag_world_create(context);
+    const sag_input displacement = {.texture = saddle(world)};
+    rng r = rng_make(1);
+    for (int i = 0; i < 3000; i++) {
+        const sag_surface surface = plane(&r);
+        if (sag_length(sag_cross(surface.dpdu, surface.dpdv)) < 0.05) continue;
+        const sag_vec3 n = surface.shading_normal;
+        sagi_spot at;
+        sagi_spot_at(&at, &surface);
+        if (i % 2) at.dudx = 1e-7, at.dvdy = 1e-5; // the step is the footprint's
+        const sagi_shading_frame frame = sagi_bumped_frame(world, &displacement, &surface, &at);
+        const sag_vec3 u = sag_madd(surface.dpdu, 0.3 - 0.1 * surface.v, n);
+        const sag_vec3 v = sag_madd(surface.dpdv, 0.2 - 0.1 * surface.u, n);
+        sag_vec3 truth = sag_normalize(sag_cross(u, v));
+        if (sag_dot(truth, n) < 0) truth = sag_neg(truth);
+        assert_true(sag_length(sag_sub(frame.normal, truth)) < 1e-6);
+        assert_true(fabs(sag_dot(frame.tangent, frame.normal)) < 1e-6);
+    }
+    // All of it moved alike is as it was.
+    const sag_texture constant = {.is_number = true, .a.value = {3, 3, 3}};
+    const sag_input level = {.texture = sag_world_add_texture(world, &constant)};
+    const sag_surface surface = plane(&r);
+    sagi_spot at;
+    sagi_spot_at(&at, &surface);
+    const sagi_shading_frame frame = sagi_bumped_frame(world, &level, &surface, &at);
+    assert_true(sag_length(sag_sub(frame.normal, surface.shading_normal)) < 1e-12);
+    sag_world_destroy(world);
+    sag_context_destroy(context);
+}
+
+static sag_picture_id one_direction(sag_world *world, sag_context *context, sag_vec3 direction) {
+    sag_image image = {0};
+    assert_int_equal(sag_image_create(context, 1, 1, 3, &image, NULL), SAG_OK);
+    image.pixels[0] = (float)(direction.x / 2 + 0.5), image.pixels[1] = (float)(direction.y / 2 + 0.5);
+    image.pixels[2] = (float)(direction.z / 2 + 0.5);
+    const sag_picture_id id = sag_world_add_picture(world, &image);
+    assert_int_not_equal(id, 0);
+    return id;
+}
+
+static void normals_are_the_pictures(void **state) {
+    (void)state;
+    sag_context *context = sag_context_create(NULL);
+    sag_world *world = sag_world_create(context);
+    rng r = rng_make(2);
+    for (int i = 0; i < 500; i++) {
+        sag_vec3 direction = random_vector(&r);
+        direction.z = fabs(direction.z) + 0.1;
+        direction = sag_normalize(direction);
+        const sagi_mipmap *normals = sagi_world_picture(world, one_direction(world, context, direction));
+        sag_surface surface = plane(&r);
+        // Normals between vertices lean away from the triangle's.
+        surface.shading_normal = sag_normalize(sag_madd(surface.geometric_normal, 0.3, random_vector(&r)));
+        const sag_vec3 n = surface.shading_normal;
+        sagi_spot at;
+        sagi_spot_at(&at, &surface);
+        const sagi_shading_frame frame = sagi_mapped_frame(normals, &surface, &at);
+        const sag_vec3 s = sag_normalize(sag_madd(surface.dpdu, -sag_dot(surface.dpdu, n), n)),
+                       t = sag_cross(n, s);
+        assert_true(fabs(sag_length(frame.normal) - 1) < 1e-12);
+        const double side = sag_dot(frame.normal, surface.geometric_normal) < 1e-3 ? 0 : 1;
+        if (side == 0 ||
+            sag_dot(sag_madd(sag_madd(sag_scale(s, direction.x), direction.y, t), direction.z, n),
+                    surface.geometric_normal) < 0)
+            continue; // turned over
+        assert_true(fabs(sag_dot(frame.normal, s) - direction.x) < 1e-6);
+        assert_true(fabs(sag_dot(frame.normal, t) - direction.y) < 1e-6);
+        assert_true(fabs(sag_dot(frame.normal, n) - direction.z) < 1e-6);
+    }
+    sag_world_destroy(world);
+    sag_context_destroy(context);
+}
+
+static void nonsense_leaves_the_surface_as_it_is(void **state) {
+    (void)state;
+    sag_context *context = sag_context_create(NULL);
+    sag_world *world = sag_world_create(context);
+    sag_texture texture = {.kind = SAG_TEXTURE_BILERP, .is_number = true, .c.value = {INFINITY, 0, 0}};
+    const sag_input displacement = {.texture = sag_world_add_texture(world, &texture)};
+    rng r = rng_make(3);
+    const sag_surface surface = plane(&r);
+    sagi_spot at;
+    sagi_spot_at(&at, &surface);
+    sagi_shading_frame frame = sagi_bumped_frame(world, &displacement, &surface, &at);
+    assert_true(sag_length(sag_sub(frame.normal, surface.shading_normal)) == 0);
+    const sag_vec3 nothing = {0, 0, 0};
+    frame =
+        sagi_mapped_frame(sagi_world_picture(world, one_direction(world, context, nothing)), &surface, &at);
+    assert_true(sag_length(sag_sub(frame.normal, surface.shading_normal)) == 0);
+    sag_world_destroy(world);
+    sag_context_destroy(context);
+}
+
+// A floor lit from above at a point, seen at a point, its normal turned by 30° toward the light: the cosine
+// grows.
+static void bumps_change_the_light(void **state) {
+    (void)state;
+    const double tilt = 0.5235987755982988;
+    double seen[2];
+    for (int bumped = 0; bumped < 2; bumped++) {
+        studio s = studio_open(1);
+        s.settings->integrator = SAG_INTEGRATOR_DIRECT;
+        const sag_vec3 eye = {2, 3, 6}, target = {0, 0, 0};
+        studio_aim_point(&s, eye, target);
+        sag_world_add_light(s.world,
+                            &(sag_light){.kind = SAG_LIGHT_POINT, .color = {7, 7, 7}, .from = {3, 4, 0}});
+        const sag_vec3 turned = {sin(tilt), 0, cos(tilt)};
+        sag_material material = {.reflectance.value = {0.5, 0.5, 0.5}};
+        if (bumped) material.normal_map = one_direction(s.world, s.context, turned);
+        const sag_plane floor_plane = {.normal = {0, 1, 0}, .s = {1, 0, 0}, .t = {0, 0, -1}};
+        const uint32_t geometry = sag_add_plane(s.scene, &floor_plane);
+        sag_world_set_appearance(s.world, s.scene, geometry,
+                                 &(sag_appearance){.material = studio_material(&s, material)});
+        seen[bumped] = studio_measure(&s).mean;
+        studio_close(&s);
+    }
+    // The light stands at 4/5 over the floor; u goes along x, to which the normal leans.
+    assert_true(fabs(seen[1] / seen[0] - (0.8 * cos(tilt) + 0.6 * sin(tilt)) / 0.8) < 1e-3);
+}
+
+// A disk of constant alpha between the camera and a white sky, or between a lamp and the floor.
+static sag_appearance partly_there(studio *s, double alpha) {
+    const sag_texture texture = {.is_number = true, .a.value = {alpha, 0, 0}};
+    const sag_appearance look = {.material = studio_material(s, (sag_material){.kind = SAG_MATERIAL_DIFFUSE}),
+                                 .alpha.texture = sag_world_add_texture(s->world, &texture)};
+    return look;
+}
+
+static void alpha_is_the_share_that_is_there(void **state) {
+    (void)state;
+    const double alphas[] = {-1, 0, 0.25, 0.7, 1, 2};
+    for (int i = 0; i < 6; i++) {
+        const double gone = 1 - fmin(fmax(alphas[i], 0), 1);
+        studio s = studio_open(2);
+        s.settings->samples_per_pixel = 64;
+        sag_world_add_light(s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}});
+        uint32_t disk = sag_add_disk(s.scene, &(sag_disk){.normal = {0, 0, 1}, .radius = 50});
+        sag_appearance look = partly_there(&s, alphas[i]);
+        sag_world_set_appearance(s.world, s.scene, disk, &look);
+        // A second one behind it: rays that pass go on by chance of their own.
+        disk = sag_add_disk(s.scene, &(sag_disk){.center = {0, 0, -1}, .normal = {0, 0, 1}, .radius = 50});
+        sag_world_set_appearance(s.world, s.scene, disk, &look);
+        const studio_mean m = studio_measure(&s);
+        assert_true(fabs(m.mean - gone * gone) <= 5 * m.deviation + 1e-3);
+        if (gone == 0 || gone == 1) assert_true(m.most - m.least < 1e-2);
+        studio_close(&s);
+    }
+}
+
+static void shadows_are_as_thick_as_alpha(void **state) {
+    (void)state;
+    double seen[2];
+    for (int shaded = 0; shaded < 2; shaded++) {
+        studio s = studio_open(1);
+        s.settings->integrator = SAG_INTEGRATOR_DIRECT;
+        sag_add_plane(s.scene, &(sag_plane){.normal = {0, 0, 1}});
+        sag_world_add_light(
+            s.world, &(sag_light){.kind = SAG_LIGHT_POINT, .color = {700, 700, 700}, .from = {30, 0, 30}});
+        const uint32_t disk =
+            sag_add_disk(s.scene, &(sag_disk){.center = {15, 0, 15}, .normal = {1, 0, 1}, .radius = 9});
+        const sag_appearance look = partly_there(&s, shaded ? 0.3 : 0);
+        sag_world_set_appearance(s.world, s.scene, disk, &look);
+        seen[shaded] = studio_measure(&s).mean;
+        studio_close(&s);
+    }
+    assert_true(fabs(seen[1] / seen[0] - 0.7) < 0.02);
+}
+
+static void threads_see_the_same_holes(void **state) {
+    (void)state;
+    sag_image pictures[2];
+    studio studios[2];
+    for (int i = 0; i < 2; i++) {
+        studios[i] = studio_open(i ? 2 : 1);
+        studio *s = &studios[i];
+        sag_world_add_light(s->world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}});
+        const uint32_t disk = sag_add_disk(s->scene, &(sag_disk){.normal = {0, 0, 1}, .radius = 50});
+        const sag_appearance look = partly_there(s, 0.5);
+        sag_world_set_appearance(s->world, s->scene, disk, &look);
+        pictures[i] = studio_render(s, NULL);
+    }
+    assert_true(same_picture(&pictures[0], &pictures[1]));
+    for (int i = 0; i < 2; i++) {
+        sag_image_clear(studios[i].context, &pictures[i]);
+        studio_close(&studios[i]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bumps_are_the_displaced_surface),
+        cmocka_unit_test(normals_are_the_pictures),
+        cmocka_unit_test(nonsense_leaves_the_surface_as_it_is),
+        cmocka_unit_test(bumps_change_the_light),
+        cmocka_unit_test(alpha_is_the_share_that_is_there),
+        cmocka_unit_test(shadows_are_as_thick_as_alpha),
+        cmocka_unit_test(threads_see_the_same_holes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
