@@ -89,6 +89,7 @@ static void read_name(sagi_pbrt *p, const sagi_param *param, sag_spectrum *spect
     spectrum->kind = SAG_SPECTRUM_NAMED;
     spectrum->name = text;
     const sag_status status = sag_world_add_spectrum(p->world, spectrum, &input->spectrum);
+    spectrum->name = NULL;
     if (status == SAG_OK) return;
     if (status == SAG_ERROR_MEMORY) {
         p->params.status = sagi_pbrt_out_of_memory(p);

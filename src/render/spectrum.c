@@ -9,12 +9,15 @@
 // whatever λ(u) is.
 #include "spectrum.h"
 
+#include "math/elementary.h"
+
 #include <string.h>
 
 void sagi_wavelength_table_init(sagi_wavelength_table *table) {
     for (int i = 0; i <= SAGI_WAVELENGTH_STEPS; i++) {
         const double u = (double)i / SAGI_WAVELENGTH_STEPS;
-        table->lambda[i] = (float)(538 - 138.888889 * atanh(0.85691062 - 1.82750197 * u));
+        const double x = 0.85691062 - 1.82750197 * u, atanh_x = 0.5 * sagi_log((1 + x) / (1 - x));
+        table->lambda[i] = (float)(538 - 138.888889 * atanh_x);
     }
     table->lambda[0] = SAGI_WAVELENGTH_MIN;
     table->lambda[SAGI_WAVELENGTH_STEPS] = SAGI_WAVELENGTH_MAX;
@@ -65,8 +68,8 @@ static double black_body(double nanometres, double kelvin) {
     const double c2 = 0.01438776877, peak = 2.897771955e-3 / kelvin,
                  metres = nanometres * 1e-9; // CODATA 2018
     const double ratio = peak / metres;
-    return ratio * ratio * ratio * ratio * ratio * expm1(c2 / (peak * kelvin)) /
-           expm1(c2 / (metres * kelvin));
+    return ratio * ratio * ratio * ratio * ratio * sagi_expm1(c2 / (peak * kelvin)) /
+           sagi_expm1(c2 / (metres * kelvin));
 }
 
 void sagi_daylight_table(double kelvin, float table[SAGI_WAVELENGTH_COUNT]) {
