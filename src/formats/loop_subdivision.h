@@ -6,7 +6,7 @@
 #include "formats/load.h"
 
 // More triangles than that are not made.
-#define SAGI_MAX_SUBDIVIDED_TRIANGLES ((uint64_t)1 << 26)
+#define SAGI_MAX_SUBDIVIDED_TRIANGLES ((uint64_t)1 << 24)
 
 // Divides each triangle of the mesh into 4^levels, puts the vertices on the limit surface and gives them its
 // normals: *out, whose context is set, gets positions_f64, normals and triangles, the corners of triangle t
