@@ -23,6 +23,9 @@ static const char help[] =
     "      --size WxH       width and height in pixels\n"
     "      --crop WxH+X+Y   only W x H pixels from column X and row Y of the picture on, the same bits\n"
     "      --max-component V  dim samples brighter than V: fewer fireflies, but darker than the truth\n"
+    "      --aov LAYERS     keep beside the picture, in an .exr: all, or some of "
+    "albedo,normal,depth,position,\n"
+    "                       uv,id,variance\n"
     "      --integrator I   path (all light, the default), direct (one bounce), ao (ambient occlusion), "
     "normal, uv,\n"
     "                       depth (linear distance), id (a colour for each geometry), albedo\n"
@@ -34,7 +37,8 @@ static const char help[] =
     "The picture appears whole or not at all. Ctrl-C stops without one (exit code 130).\n";
 
 typedef struct render_options {
-    const char *file, *output, *stats;
+    const char *file, *output, *stats, *aov;
+    uint32_t layers; // of --aov
     uint64_t spp, threads, seed;
     uint32_t size[2], crop[4];
     double max_component;
@@ -52,13 +56,13 @@ static bool is_picture_name(const char *name) {
 static void default_output(const render_options *o, const sag_settings *settings, char *path,
                            size_t capacity) {
     const char *wanted = base_name(settings->film.file);
-    if (is_picture_name(wanted) && has_ending(o->file, ".pbrt")) {
+    if (is_picture_name(wanted) && has_ending(o->file, ".pbrt") && (!o->aov || has_ending(wanted, ".exr"))) {
         snprintf(path, capacity, "%s", wanted);
         return;
     }
     const char *name = base_name(o->file), *dot = strrchr(name, '.');
     const int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
-    snprintf(path, capacity, "%.*s.png", length, name);
+    snprintf(path, capacity, "%.*s%s", length, name, o->aov ? ".exr" : ".png");
 }
 
 // Whether a file can be made there, asked before an hour is spent on its content.
@@ -87,6 +91,7 @@ static void apply_options(const render_options *o, sag_settings *settings) {
     if (o->spp) settings->samples_per_pixel = (uint32_t)o->spp;
     if (o->size[0]) settings->film.width = o->size[0], settings->film.height = o->size[1];
     if (o->has_seed) settings->seed = o->seed;
+    if (o->aov) settings->film.layers = o->layers, settings->film.layers_in_camera_space = false;
     if (o->max_component > 0) settings->film.max_component = o->max_component;
     if (o->crop[0]) {
         sag_film *film = &settings->film;
@@ -125,8 +130,8 @@ static sag_status write_stats(const render_options *o, sag_world *world, const s
         const char *name;
         double value;
     } numbers[] = {
-        {"width", settings->film.width},
-        {"height", settings->film.height},
+        {"width", r.width},
+        {"height", r.height},
         {"samples_per_pixel", settings->samples_per_pixel},
         {"load_seconds", load_seconds},
         {"build_seconds", r.build_seconds},
@@ -172,9 +177,8 @@ static void say_what_was_made(sag_world *world, const sag_render *render, const 
     sag_render_stats r;
     sag_render_get_stats(render, &r);
     fprintf(stderr, "%s: %u x %u, %u sample%s a pixel in %s, %s on %u thread%s (load %s, build %s)\n", output,
-            settings->film.width, settings->film.height, settings->samples_per_pixel,
-            settings->samples_per_pixel == 1 ? "" : "s", text_seconds(seconds, r.trace_seconds),
-            text_rate(rays, (double)r.rays, r.trace_seconds, "rays"),
+            r.width, r.height, settings->samples_per_pixel, settings->samples_per_pixel == 1 ? "" : "s",
+            text_seconds(seconds, r.trace_seconds), text_rate(rays, (double)r.rays, r.trace_seconds, "rays"),
             sag_context_thread_count(sag_world_context(world)),
             sag_context_thread_count(sag_world_context(world)) == 1 ? "" : "s",
             text_seconds(load, load_seconds), text_seconds(build, r.build_seconds));
@@ -223,6 +227,31 @@ static void show_depth(sag_image *image, const char *output, bool quiet) {
                 (double)near);
 }
 
+static sag_status write_layers(sag_world *world, const sag_render *render, const char *output,
+                               sag_error *error) {
+    sag_context *context = sag_world_context(world);
+    sag_layers layers = {0};
+    sag_status status = sag_render_get_layers(render, &layers, error);
+    if (status == SAG_OK) status = sag_layers_write(context, &layers, output, error);
+    sag_layers_clear(context, &layers);
+    return status;
+}
+
+static sag_status write_picture(const render_options *o, sag_world *world, const sag_render *render,
+                                const char *output, sag_error *error) {
+    sag_context *context = sag_world_context(world);
+    const sag_settings *settings = sag_world_settings(world);
+    sag_image image = {0};
+    sag_status status = sag_render_get_image(render, &image, error);
+    if (status == SAG_OK && settings->film.layers != 0)
+        sag_context_log(context, SAG_LOG_WARNING, "%s: layers are written to .exr files only", output);
+    const bool is_depth = settings->integrator == SAG_INTEGRATOR_DEPTH;
+    if (status == SAG_OK && is_depth && has_ending(output, ".png")) show_depth(&image, output, o->quiet);
+    if (status == SAG_OK) status = sag_image_write(context, &image, output, error);
+    sag_image_clear(context, &image);
+    return status;
+}
+
 static int make_picture(const render_options *o, sag_world *world, const char *output, progress *bar) {
     sag_error error = {0};
     progress_note(bar, "building ...");
@@ -230,14 +259,12 @@ static int make_picture(const render_options *o, sag_world *world, const char *o
     if (!render) return report_error(&error);
     interrupt_catch();
     progress_begin(bar, "rendering", "samples", o->quiet);
-    sag_image image = {0};
     sag_status status = sag_render_run(render, on_progress, bar, &error);
     progress_end(bar);
-    if (status == SAG_OK) status = sag_render_get_image(render, &image, &error);
-    const bool is_depth = sag_world_settings(world)->integrator == SAG_INTEGRATOR_DEPTH;
-    if (status == SAG_OK && is_depth && has_ending(output, ".png")) show_depth(&image, output, o->quiet);
-    if (status == SAG_OK) status = sag_image_write(sag_world_context(world), &image, output, &error);
-    sag_image_clear(sag_world_context(world), &image);
+    const bool layered = sag_world_settings(world)->film.layers != 0 && has_ending(output, ".exr");
+    if (status == SAG_OK)
+        status = layered ? write_layers(world, render, output, &error)
+                         : write_picture(o, world, render, output, &error);
     if (status == SAG_OK && o->stats) status = write_stats(o, world, render, output, &error);
     if (status == SAG_OK && !o->quiet) say_what_was_made(world, render, output);
     sag_render_destroy(render);
@@ -274,6 +301,24 @@ static int render_file(const render_options *o) {
     return result;
 }
 
+static bool read_layers(const char *list, uint32_t *layers) {
+    static const char *const names[] = {"albedo", "normal", "depth",    "position",
+                                        "uv",     "id",     "variance", NULL}; // bit by bit as sag_layer
+    if (strcmp(list, "all") == 0) {
+        *layers = SAG_LAYER_ALL;
+        return true;
+    }
+    for (*layers = 0;; list++) {
+        const size_t length = strcspn(list, ",");
+        int i = 0;
+        while (names[i] && (strlen(names[i]) != length || strncmp(names[i], list, length) != 0)) i++;
+        if (!names[i]) return false;
+        *layers |= 1u << i;
+        list += length;
+        if (!*list) return true;
+    }
+}
+
 static int run(const tool_command *command, int argc, char **argv) {
     static const char *const integrators[] = {"path",  "direct", "ao",     "normal", "uv",
                                               "depth", "id",     "albedo", NULL};
@@ -288,6 +333,7 @@ static int run(const tool_command *command, int argc, char **argv) {
          .target = &o.max_component,
          .least = 0,
          .most = INFINITY},
+        {.name = "aov", .kind = OPTION_TEXT, .target = &o.aov},
         {.name = "integrator", .kind = OPTION_CHOICE, .target = &o.integrator, .choices = integrators},
         {.name = "seed", .kind = OPTION_COUNT, .target = &o.seed, .minimum = 0, .maximum = UINT64_MAX - 1},
         {.name = "threads", .kind = OPTION_COUNT, .target = &o.threads, .minimum = 0, .maximum = 4096},
@@ -304,6 +350,14 @@ static int run(const tool_command *command, int argc, char **argv) {
     if (o.output && !is_picture_name(o.output)) {
         return usage_error(command->name, "%s: a picture's name ends in .png, .pfm or .exr", o.output);
     }
+    if (o.aov && !read_layers(o.aov, &o.layers)) {
+        return usage_error(command->name,
+                           "--aov %s: expected all, or some of albedo,normal,depth,position,"
+                           "uv,id,variance",
+                           o.aov);
+    }
+    if (o.aov && o.output && !has_ending(o.output, ".exr"))
+        return usage_error(command->name, "%s: with --aov, the picture's name ends in .exr", o.output);
     return render_file(&o);
 }
 

@@ -314,6 +314,22 @@ typedef enum sag_filter_kind {
     SAG_FILTER_SINC,     ///< sinc in Lanczos’ window; 4
 } sag_filter_kind;
 
+/// What can be kept beside the picture, from the same samples; bits of sag_film.layers. What the camera's ray
+/// meets first counts, after surfaces that are not there.
+typedef enum sag_layer {
+    SAG_LAYER_ALBEDO = 1 << 0,   ///< Albedo.R/G/B: reflectance; 1 for glass, 0 where nothing is
+    SAG_LAYER_NORMAL = 1 << 1,   ///< N.X/Y/Z and Ns.X/Y/Z: geometric and shading normal, units, on the
+                                 ///< camera's side
+    SAG_LAYER_DEPTH = 1 << 2,    ///< Z: along the viewing direction (cameras that see all around: distance)
+    SAG_LAYER_POSITION = 1 << 3, ///< P.X/Y/Z
+    SAG_LAYER_UV = 1 << 4,       ///< u, v
+    SAG_LAYER_ID = 1 << 5, ///< id.geometry, id.instance, id.material, counted from 1 (0: none), those of
+                           ///< most of the pixel's samples
+    SAG_LAYER_VARIANCE = 1 << 6, ///< Variance.R/G/B: of the samples; divided by their number, of the pixel
+    SAG_LAYER_PICTURE = 1 << 7,  ///< R, G, B: always there
+    SAG_LAYER_ALL = 0xFF,
+} sag_layer;
+
 typedef struct sag_film {
     uint32_t width, height;
     sag_filter_kind filter;
@@ -333,7 +349,9 @@ typedef struct sag_film {
     /// counts as its edge.
     uint32_t pixel_bounds[4];
     double max_component; ///< a brighter sample is dimmed until its largest component is this; 0: never
-    char file[512];       ///< the name the scene asks for; may be empty
+    uint32_t layers;      ///< bits of sag_layer
+    bool layers_in_camera_space; ///< positions and normals; else in the scene's space
+    char file[512];              ///< the name the scene asks for; may be empty
 } sag_film;
 
 /// Where the random numbers come from. Each number is a pure function of seed, pixel, sample and dimension.
@@ -448,6 +466,7 @@ typedef struct sag_bad_sample {
 #define SAG_BAD_SAMPLES 8
 
 typedef struct sag_render_stats {
+    uint32_t width, height;  ///< of the picture: what is made of the film
     uint64_t rays;           ///< traced, shadow rays included
     uint64_t camera_samples; ///< taken
     uint64_t bad_samples;    ///< NaN or infinite: counted and dropped, the pixel is the mean of the others
@@ -473,6 +492,33 @@ SAG_API sag_status sag_render_run(sag_render *render, sag_progress_callback prog
 /// The picture from the samples taken so far: linear RGB of the film's colour space; black where there are
 /// none yet. Makes *image (sag_image_clear it). Between runs.
 SAG_API sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_error *error);
+/// Room for all layers' channels.
+#define SAG_MAX_CHANNELS 32
+
+/// The picture and its layers, pixel by pixel from the top left, each pixel's channels one after the other.
+typedef struct sag_layers {
+    uint32_t width, height;           ///< of what was made of the film
+    uint32_t x, y;                    ///< its first column and row there
+    uint32_t full_width, full_height; ///< of the film
+    uint32_t channel_count;
+    const char *names[SAG_MAX_CHANNELS]; ///< constant strings, such as "Albedo.R"
+    bool is_id[SAG_MAX_CHANNELS];        ///< the floats are the bits of a uint32_t
+    sag_color_space color_space;         ///< of R G B
+    float *pixels;                       ///< width · height · channel_count
+} sag_layers;
+
+/// The picture as sag_render_get_image has it and the layers that the film asks for, from the samples taken
+/// so far; all means are weighted by the filter. Makes *layers (sag_layers_clear it). Between runs. Test:
+/// tests/render/test_layers.c.
+SAG_API sag_status sag_render_get_layers(const sag_render *render, sag_layers *layers, sag_error *error);
+/// Frees the pixels and zeroes the rest. Zeroed ones are left alone.
+SAG_API void sag_layers_clear(const sag_context *context, sag_layers *layers);
+/// Writes an OpenEXR file of one part with these channels: 32-bit floats, ids 32-bit whole numbers, ZIP. The
+/// data window is what was made, the display window the film. The file appears whole or not at all.
+/// SAG_ERROR_ARGUMENT for another ending than .exr or a build without OpenEXR, SAG_ERROR_IO with the system's
+/// reason.
+SAG_API sag_status sag_layers_write(const sag_context *context, const sag_layers *layers, const char *path,
+                                    sag_error *error);
 /// Counts and times so far. Between runs or from the progress callback.
 SAG_API void sag_render_get_stats(const sag_render *render, sag_render_stats *stats);
 

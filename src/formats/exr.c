@@ -232,47 +232,62 @@ static int64_t on_write(exr_const_context_t exr, void *user, const void *data, u
     return (int64_t)count;
 }
 
-// In the file channels stand in alphabetical order; component[i] is where channel i is in the image.
-static exr_result_t add_channels(exr_context_t exr, uint32_t channels, uint32_t component[4]) {
-    static const char *const names[4][4] = {{"Y"}, {"A", "Y"}, {"B", "G", "R"}, {"A", "B", "G", "R"}};
-    exr_result_t code = EXR_ERR_SUCCESS;
-    for (uint32_t i = 0; code == EXR_ERR_SUCCESS && i < channels; i++) {
-        component[i] = channels - 1 - i;
-        code = exr_add_channel(exr, 0, names[channels - 1][i], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC,
-                               1, 1);
-    }
-    return code;
+static exr_result_t write_header(exr_context_t exr, const sagi_exr_picture *p) {
+    exr_attr_box2i_t display, data;
+    display.min.x = display.min.y = 0;
+    display.max.x = (int32_t)p->full_width - 1, display.max.y = (int32_t)p->full_height - 1;
+    data.min.x = (int32_t)p->x, data.min.y = (int32_t)p->y;
+    data.max.x = (int32_t)(p->x + p->width) - 1, data.max.y = (int32_t)(p->y + p->height) - 1;
+    exr_attr_v2f_t center;
+    center.x = center.y = 0;
+    exr_result_t code = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, NULL);
+    if (code == EXR_ERR_SUCCESS)
+        code = exr_initialize_required_attr(exr, 0, &display, &data, 1, &center, 1,
+                                            EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+    for (uint32_t c = 0; code == EXR_ERR_SUCCESS && c < p->channel_count; c++)
+        code =
+            exr_add_channel(exr, 0, p->names[c], p->is_id && p->is_id[c] ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT,
+                            EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    return code == EXR_ERR_SUCCESS ? exr_write_header(exr) : code;
 }
 
-static exr_result_t write_lines(exr_context_t exr, const sag_image *image, const uint32_t component[4],
+// In the file channels stand in the order of their names.
+static exr_result_t point_at_rows(const sagi_exr_picture *p, uint32_t row, exr_encode_pipeline_t *pipeline) {
+    const uint32_t stride = p->channel_count * (uint32_t)sizeof(float);
+    for (int i = 0; i < pipeline->channel_count; i++) {
+        exr_coding_channel_info_t *channel = &pipeline->channels[i];
+        uint32_t c = 0;
+        while (c < p->channel_count && strcmp(channel->channel_name, p->names[c]) != 0) c++;
+        if (c == p->channel_count) return EXR_ERR_INVALID_ARGUMENT;
+        channel->user_data_type = p->is_id && p->is_id[c] ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = 4;
+        channel->user_pixel_stride = (int32_t)stride;
+        channel->user_line_stride = (int32_t)(stride * p->width);
+        channel->encode_from_ptr =
+            (const uint8_t *)(p->pixels + (size_t)row * p->width * p->channel_count + c);
+    }
+    return EXR_ERR_SUCCESS;
+}
+
+static exr_result_t write_lines(exr_context_t exr, const sagi_exr_picture *p,
                                 exr_encode_pipeline_t *pipeline) {
     int32_t lines = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(exr, 0, &lines);
-    for (uint32_t y = 0; code == EXR_ERR_SUCCESS && y < image->height; y += (uint32_t)lines) {
+    for (uint32_t y = 0; code == EXR_ERR_SUCCESS && y < p->height; y += (uint32_t)lines) {
         exr_chunk_info_t chunk;
-        code = exr_write_scanline_chunk_info(exr, 0, (int)y, &chunk);
+        code = exr_write_scanline_chunk_info(exr, 0, (int)(p->y + y), &chunk);
         if (code == EXR_ERR_SUCCESS)
             code = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, pipeline)
                           : exr_encoding_update(exr, 0, &chunk, pipeline);
-        if (code != EXR_ERR_SUCCESS) break;
-        const uint32_t stride = image->channels * (uint32_t)sizeof(float);
-        for (int i = 0; i < pipeline->channel_count; i++) {
-            exr_coding_channel_info_t *channel = &pipeline->channels[i];
-            channel->user_data_type = EXR_PIXEL_FLOAT;
-            channel->user_bytes_per_element = 4;
-            channel->user_pixel_stride = (int32_t)stride;
-            channel->user_line_stride = (int32_t)(stride * image->width);
-            channel->encode_from_ptr =
-                (const uint8_t *)(image->pixels + (size_t)y * image->width * image->channels + component[i]);
-        }
-        if (y == 0) code = exr_encoding_choose_default_routines(exr, 0, pipeline);
+        if (code == EXR_ERR_SUCCESS) code = point_at_rows(p, y, pipeline);
+        if (code == EXR_ERR_SUCCESS && y == 0) code = exr_encoding_choose_default_routines(exr, 0, pipeline);
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, pipeline);
     }
     return code;
 }
 
-sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FILE *file, const char *path,
-                          sag_error *error) {
+sag_status sagi_exr_write(const sag_context *context, const sagi_exr_picture *picture, FILE *file,
+                          const char *path, sag_error *error) {
     writer w = {.context = context};
     exr_context_t exr;
     exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -281,18 +296,9 @@ sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FI
     options.write_fn = on_write;
     exr_result_t code = exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &options);
     if (code == EXR_ERR_SUCCESS) {
-        uint32_t component[4] = {0};
         exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-        code = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, NULL);
-        if (code == EXR_ERR_SUCCESS)
-            code = exr_initialize_required_attr_simple(exr, 0, (int32_t)image->width, (int32_t)image->height,
-                                                       EXR_COMPRESSION_ZIP);
-        if (code == EXR_ERR_SUCCESS) code = add_channels(exr, image->channels, component);
-        const exr_attr_chromaticities_t chromaticities = chromaticities_of(image->color_space);
-        if (code == EXR_ERR_SUCCESS)
-            code = exr_attr_set_chromaticities(exr, 0, "chromaticities", &chromaticities);
-        if (code == EXR_ERR_SUCCESS) code = exr_write_header(exr);
-        if (code == EXR_ERR_SUCCESS) code = write_lines(exr, image, component, &pipeline);
+        code = write_header(exr, picture);
+        if (code == EXR_ERR_SUCCESS) code = write_lines(exr, picture, &pipeline);
         exr_encoding_destroy(exr, &pipeline);
         const exr_result_t end = exr_finish(&exr);
         if (code == EXR_ERR_SUCCESS) code = end;
@@ -312,9 +318,9 @@ sag_status sagi_exr_read(const sagi_image_source *source, sag_image *image, sag_
                             "built without OpenEXR: cannot read EXR");
 }
 
-sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FILE *file, const char *path,
-                          sag_error *error) {
-    (void)context, (void)image, (void)file;
+sag_status sagi_exr_write(const sag_context *context, const sagi_exr_picture *picture, FILE *file,
+                          const char *path, sag_error *error) {
+    (void)context, (void)picture, (void)file;
     return sag_error_set_at(error, SAG_ERROR_ARGUMENT, path, 0, 0, "built without OpenEXR: cannot write EXR");
 }
 

@@ -158,6 +158,20 @@ static bool ends_with(const char *path, const char *ending) {
     return length > n && strcasecmp(path + length - n, ending) == 0;
 }
 
+static sag_status write_exr(const sag_context *context, const sag_image *image, FILE *file, const char *path,
+                            sag_error *error) {
+    static const char *const names[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
+    const sagi_exr_picture picture = {.width = image->width,
+                                      .height = image->height,
+                                      .full_width = image->width,
+                                      .full_height = image->height,
+                                      .channel_count = image->channels,
+                                      .names = names[image->channels - 1],
+                                      .pixels = image->pixels,
+                                      .color_space = image->color_space};
+    return sagi_exr_write(context, &picture, file, path, error);
+}
+
 sag_status sag_image_write(const sag_context *context, const sag_image *image, const char *path,
                            sag_error *error) {
     if (!image || !image->pixels || image->channels < 1 || image->channels > 4 ||
@@ -173,7 +187,7 @@ sag_status sag_image_write(const sag_context *context, const sag_image *image, c
     if (png)
         status = sagi_png_write(image, output.file, path, error);
     else if (exr)
-        status = sagi_exr_write(context, image, output.file, path, error);
+        status = write_exr(context, image, output.file, path, error);
     else
         sagi_pfm_write(image, output.file);
     if (status == SAG_OK) return sagi_output_commit(&output, error);

@@ -34,10 +34,19 @@ sag_status sagi_pfm_read(const sagi_image_source *source, sag_image *image, sag_
 sag_status sagi_qoi_read(const sagi_image_source *source, sag_image *image, sag_error *error);
 sag_status sagi_stb_read(const sagi_image_source *source, sag_image *image, sag_error *error);
 
+// What an EXR file is to hold: pixels of so many channels, a part (x, y, width, height) of the full picture.
+typedef struct sagi_exr_picture {
+    uint32_t width, height, x, y, full_width, full_height, channel_count;
+    const char *const *names;
+    const bool *is_id; // the floats are the bits of uint32_t; NULL: none are
+    const float *pixels;
+    sag_color_space color_space;
+} sagi_exr_picture;
+
 // Writers append to `file`; a failure to write shows in ferror(file), which the caller looks at.
 sag_status sagi_png_write(const sag_image *image, FILE *file, const char *path, sag_error *error);
-sag_status sagi_exr_write(const sag_context *context, const sag_image *image, FILE *file, const char *path,
-                          sag_error *error);
+sag_status sagi_exr_write(const sag_context *context, const sagi_exr_picture *picture, FILE *file,
+                          const char *path, sag_error *error);
 void sagi_pfm_write(const sag_image *image, FILE *file);
 
 // SAG_ERROR_FORMAT with the path and a message.

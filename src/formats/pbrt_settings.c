@@ -165,7 +165,16 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
                          film->sensor);
     sagi_pbrt_ignore(p, "diagonal", NULL);
     sagi_pbrt_ignore(p, "savefp16", NULL);
-    sagi_pbrt_ignore(p, "coordinatesystem", "is not supported");
+    film->layers = 0;
+    if (strcmp(name, "gbuffer") == 0) {
+        char space[32];
+        sagi_params_string(params, "coordinatesystem", "camera", space, sizeof space);
+        film->layers = SAG_LAYER_ALL;
+        film->layers_in_camera_space = strcmp(space, "world") != 0;
+        if (strcmp(space, "world") != 0 && strcmp(space, "camera") != 0)
+            sagi_params_fail(params, sagi_params_find(params, "coordinatesystem", ~0u),
+                             "unknown coordinate system \"%s\"", space);
+    }
     read_bounds(p, place, film);
     const double most = sagi_params_float(params, "maxcomponentvalue", INFINITY);
     if (!(most > 0))

@@ -52,6 +52,9 @@ sag_status sagi_camera_init(sagi_camera *camera, const sag_camera *description, 
     camera->y_per_pixel = (y_max - y_min) * scale / height;
     camera->pinhole = description->kind == SAG_CAMERA_PERSPECTIVE && !sagi_camera_has_lens(camera);
     camera->eye = sag_affine_point(&description->to_world, (sag_vec3){0, 0, 0});
+    camera->forward = sag_normalize(sag_affine_vector(&description->to_world, (sag_vec3){0, 0, 1}));
+    if (!sag_affine_inverse(&description->to_world, &camera->from_world))
+        camera->from_world = sag_affine_identity();
     return SAG_OK;
 }
 

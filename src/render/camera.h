@@ -12,6 +12,8 @@ typedef struct sagi_camera {
     double x_per_pixel, y_per_pixel; // in camera space at z = 1 (orthographic: at any z)
     bool pinhole;                    // perspective, without a lens
     sag_vec3 eye;                    // where camera space has its origin
+    sag_vec3 forward;                // its z, a unit
+    sag_affine from_world;           // the inverse of to_world; where it has none, the identity
 } sagi_camera;
 
 // SAG_ERROR_ARGUMENT for a film without pixels, a map that is not finite or an angle out of (0°, 180°).

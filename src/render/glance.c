@@ -13,7 +13,8 @@ enum { SIDE = 4, TOGETHER = SIDE * SIDE };
 
 bool sagi_can_glance(const sag_render *render) {
     const sag_integrator_kind shown = render->settings.integrator;
-    return !render->see_through && (shown == SAG_INTEGRATOR_DEPTH || shown == SAG_INTEGRATOR_ID);
+    return !render->see_through && !render->layers &&
+           (shown == SAG_INTEGRATOR_DEPTH || shown == SAG_INTEGRATOR_ID);
 }
 
 static bool is_usual(const sag_render *render) {

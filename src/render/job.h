@@ -40,6 +40,7 @@ struct sag_render {
     uint32_t first_x, first_y;                // its first pixel on the film
     double max_component;                     // of a sample
     sagi_pixel *pixels;                       // width·height
+    sagi_layer_pixel *layers;                 // as many, or NULL when the film asks for none
     uint32_t *tile_done;                      // samples taken of each pixel of a tile
     atomic_uint_fast64_t rays, camera_samples, bad_samples, thread_ns, traversal_ns;
     atomic_uint_fast64_t first_bad[SAG_BAD_SAMPLES]; // row, column and number, sorted; all ones: none
@@ -71,6 +72,12 @@ void sagi_film_add(sag_render *render, sagi_pixel *pixel, uint32_t sample, doubl
 sag_rgb sagi_film_value(const sag_render *render, const sagi_pixel *pixel);
 // The first few samples that were not finite, as sag_render_stats has them.
 uint32_t sagi_film_first_bad(const sag_render *render, sag_bad_sample bad[SAG_BAD_SAMPLES]);
+
+// Notes the first surface of a path, whose ray met it; adds that and the sample's value to its pixel.
+void sagi_layers_note(const sag_render *render, const sagi_path *path, const sag_ray *ray,
+                      const sagi_meeting *meeting, sagi_first *first);
+void sagi_layers_add(sag_render *render, const sagi_pixel *at, const sagi_first *first, double weight,
+                     sag_rgb value);
 
 // Whether samples are light by wavelength, which the sensor makes numbers of.
 static inline bool sagi_is_spectral(const sag_render *render) {

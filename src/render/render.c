@@ -75,10 +75,14 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     size_t tile_bytes = (size_t)render->tiles_x * render->tiles_y * sizeof *render->tile_done;
     render->pixels = sag_allocate(render->context, pixel_bytes);
     render->tile_done = sag_allocate(render->context, tile_bytes);
-    if (!render->pixels || !render->tile_done)
+    const bool layered = (film->layers & ~(uint32_t)SAG_LAYER_PICTURE) != 0;
+    const size_t layer_bytes = (size_t)render->width * render->height * sizeof *render->layers;
+    if (layered) render->layers = sag_allocate(render->context, layer_bytes);
+    if (!render->pixels || !render->tile_done || (layered && !render->layers))
         return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels",
                              (unsigned)render->width, (unsigned)render->height);
     memset(render->pixels, 0, pixel_bytes);
+    if (layered) memset(render->layers, 0, layer_bytes);
     memset(render->tile_done, 0, tile_bytes);
     return make_waves(render, error);
 }
@@ -115,6 +119,7 @@ void sag_render_destroy(sag_render *render) {
     sag_release(render->context, render->waves, render->wave_count * sizeof *render->waves);
     size_t pixel_count = (size_t)render->width * render->height;
     sag_release(render->context, render->pixels, pixel_count * sizeof *render->pixels);
+    sag_release(render->context, render->layers, pixel_count * sizeof *render->layers);
     size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
     sag_release(render->context, render->tile_done, tile_count * sizeof *render->tile_done);
     sag_release(render->context, render, sizeof *render);
@@ -133,8 +138,9 @@ static void finish_wave(sag_render *render, sagi_wave *wave) {
     sagi_wave_follow(wave);
     for (uint32_t i = 0; i < wave->path_count; i++) {
         const sagi_path *path = &wave->paths[i];
-        sagi_film_add(render, path->pixel, path->sampler.sample, path->pixel_weight,
-                      path_value(render, path));
+        const sag_rgb value = path_value(render, path);
+        sagi_film_add(render, path->pixel, path->sampler.sample, path->pixel_weight, value);
+        if (wave->firsts) sagi_layers_add(render, path->pixel, &wave->firsts[i], path->pixel_weight, value);
     }
     wave->path_count = 0;
 }
@@ -250,7 +256,9 @@ sag_status sag_render_get_image(const sag_render *render, sag_image *image, sag_
 }
 
 void sag_render_get_stats(const sag_render *render, sag_render_stats *stats) {
-    *stats = (sag_render_stats){.rays = atomic_load(&render->rays),
+    *stats = (sag_render_stats){.width = render->width,
+                                .height = render->height,
+                                .rays = atomic_load(&render->rays),
                                 .camera_samples = atomic_load(&render->camera_samples),
                                 .bad_samples = atomic_load(&render->bad_samples),
                                 .build_seconds = render->build_seconds,

@@ -24,9 +24,11 @@ bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
     wave->shadow_rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     wave->occluded = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->occluded);
     wave->glances = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->glances);
+    if (render->layers) wave->firsts = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->firsts);
     if (render->see_through) wave->samples = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->samples);
-    return (wave->samples || !render->see_through) && wave->paths && wave->active && wave->rays &&
-           wave->glances && wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
+    return (wave->samples || !render->see_through) && (wave->firsts || !render->layers) && wave->paths &&
+           wave->active && wave->rays && wave->glances && wave->hits && wave->shadows && wave->shadow_rays &&
+           wave->occluded;
 }
 
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
@@ -38,6 +40,7 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
     sag_release(context, wave->shadow_rays, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     sag_release(context, wave->occluded, SAGI_WAVE_SIZE * sizeof *wave->occluded);
     sag_release(context, wave->glances, SAGI_WAVE_SIZE * sizeof *wave->glances);
+    sag_release(context, wave->firsts, SAGI_WAVE_SIZE * sizeof *wave->firsts);
     sag_release(context, wave->samples, SAGI_WAVE_SIZE * sizeof *wave->samples);
 }
 
@@ -49,6 +52,7 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
         sagi_path *path = &wave->paths[wave->path_count++];
         *path = (sagi_path){
             .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1, 1}, .eta2 = 1, .exact = true};
+        if (wave->firsts) wave->firsts[wave->path_count - 1] = (sagi_first){0};
         sagi_sampler_start_pixel(&path->sampler, x, y);
         wave->active[wave->active_count] = path;
         path->pixel_weight =
@@ -75,6 +79,8 @@ static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *
     sagi_course course = sagi_trace(wave->render, path, ray, hit, &meeting);
     if (course == SAGI_COURSE_ON) return true;
     sagi_meeting *met = course == SAGI_COURSE_MEETING ? &meeting : NULL;
+    if (wave->firsts && met && path->depth == 0)
+        sagi_layers_note(wave->render, path, ray, met, &wave->firsts[path - wave->paths]);
     switch (wave->render->settings.integrator) {
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT:

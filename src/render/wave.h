@@ -4,6 +4,7 @@
 #define SAGI_RENDER_WAVE_H
 
 #include "film.h"
+#include "layers.h"
 #include "light.h"
 #include "sampler.h"
 
@@ -86,6 +87,7 @@ typedef struct sagi_wave {
     sag_ray *shadow_rays;
     bool *occluded;
     sagi_light_sample *samples; // what the shadow rays go to; only where they may have to go on, else NULL
+    sagi_first *firsts;         // what each path met first; NULL when no layer asks for it
     sagi_glance *glances;       // samples that are no paths (glance.c)
     uint64_t rays_traced;
     double traversal_seconds; // within the scene's queries
