@@ -248,6 +248,9 @@ static exr_result_t write_header(exr_context_t exr, const sagi_exr_picture *p) {
         code =
             exr_add_channel(exr, 0, p->names[c], p->is_id && p->is_id[c] ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT,
                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    const exr_attr_chromaticities_t chromaticities = chromaticities_of(p->color_space);
+    if (code == EXR_ERR_SUCCESS)
+        code = exr_attr_set_chromaticities(exr, 0, "chromaticities", &chromaticities);
     return code == EXR_ERR_SUCCESS ? exr_write_header(exr) : code;
 }
 
