@@ -97,9 +97,15 @@ static inline void collect(search *s, const sagi_world *world, const sag_hit *hi
         sagi_collector_add(&s->collector, hit);
 }
 
+// All bits set. (To copy it takes a few moves; to fill the memory is a call.)
+#define EIGHT_ONES                                                                                           \
+    UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX
+static const uint64_t no_hit[16] = {EIGHT_ONES, EIGHT_ONES};
+_Static_assert(sizeof(sag_hit) <= sizeof no_hit, "as long as a hit");
+
 static inline void write_hit(const search *s, uint32_t geometry, uint32_t primitive, double t, double u,
                              double v, sag_hit *hit) {
-    memset(hit, 0xFF, sizeof *hit); // SAG_INVALID_ID
+    memcpy(hit, &no_hit, sizeof *hit); // SAG_INVALID_ID
     hit->t = t, hit->u = u, hit->v = v;
     hit->primitive = primitive, hit->geometry = geometry;
     hit->instance_depth = s->path_length, hit->flipped = 0;

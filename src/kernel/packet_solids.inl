@@ -175,6 +175,87 @@ static __attribute__((noinline)) bool dented_hit(const packet *p, uint32_t ray, 
     return true;
 }
 
+// What of four rays is the same, or side by side.
+typedef struct dented_four {
+    sag_vec3 o; // in the solid's space
+    sagi_d4 d[3], t;
+    sagi_l4 primitive, good;
+} dented_four;
+
+// The first crossing of a box, or where the ray leaves a dent that is one: quick_box for four rays.
+SAGI_INLINE void box_for_four(dented_four *four, const sag_box *box, bool dent) {
+    const double lo[3] = {box->min.x, box->min.y, box->min.z}, hi[3] = {box->max.x, box->max.y, box->max.z},
+                 o[3] = {four->o.x, four->o.y, four->o.z};
+    sagi_d4 t0, t1;
+    sagi_l4 enter = {0}, leave = {0}, sign[3];
+    four->good = (sagi_l4){-1, -1, -1, -1};
+    for (int k = 0; k < 3; k++) {
+        const sagi_d4 d = four->d[k], a = sagi_d4_fill(lo[k] - o[k]) / d, b = sagi_d4_fill(hi[k] - o[k]) / d;
+        const sagi_l4 down = d < sagi_d4_fill(0);
+        const sagi_d4 near = sagi_d4_select(down, b, a), far = sagi_d4_select(down, a, b);
+        sign[k] = down & 1;
+        four->good &= d != sagi_d4_fill(0);
+        if (k == 0) {
+            t0 = near, t1 = far;
+            continue;
+        }
+        const sagi_l4 after = near > t0, sooner = far < t1, number = {k, k, k, k};
+        t0 = sagi_d4_select(after, near, t0), enter = (after & number) | (~after & enter);
+        t1 = sagi_d4_select(sooner, far, t1), leave = (sooner & number) | (~sooner & leave);
+    }
+    const sagi_d4 error =
+        sagi_d4_fill(4 * SAGI_EPSILON) * (sagi_d4_abs(t0) + sagi_d4_abs(t1)) + sagi_d4_fill(0x1p-1022);
+    four->good &= (t1 - t0 > error) & (t1 - t0 < sagi_d4_fill(INFINITY));
+    const sagi_l4 face = dent ? leave : enter;
+    const sagi_l4 down = ((face == 0) & sign[0]) | ((face == 1) & sign[1]) | ((face == 2) & sign[2]);
+    four->primitive = 2 * face + (dent ? 1 - down : down), four->t = dent ? t1 : t0;
+}
+
+// The first crossing of a ball, as refine has it.
+static inline void ball_for_four(dented_four *four, const sag_sphere *ball, uint32_t lanes) {
+    sag_ray rays[4];
+    sagi_sphere_four by;
+    const sagi_d4 at = sagi_sphere_load(ball);
+    for (int i = 0; i < 4; i++) {
+        rays[i] = (sag_ray){four->o, {four->d[0][i], four->d[1][i], four->d[2][i]}, -INFINITY, INFINITY, 0};
+        by.ray[i] = &rays[i], by.at[i] = at;
+    }
+    four->good = lanes_of(sagi_sphere_solve4(&by, lanes));
+    four->t = by.t, four->primitive = (sagi_l4){0};
+}
+
+// The hits of four rays, `lanes` of which have this part for certain; returns those that have to be asked
+// after all.
+static __attribute__((noinline)) uint32_t dented_hits(packet *p, uint32_t geometry, sag_vec3 origin, size_t i,
+                                                      uint32_t lanes, uint32_t part, bool dent) {
+    const sagi_item *item = &p->world->items[geometry];
+    const sagi_world *solid = item->child;
+    const uint32_t id = sagi_solid_parts(solid->solid)[part].geometry;
+    uint32_t asked = 0;
+    sag_hit hit;
+    dented_four four = {.o = origin};
+    directions_of(p, item->place, i, four.d);
+    if (solid->items[id].kind == SAG_SHAPE_BOX)
+        box_for_four(&four, solid->items[id].shape, dent);
+    else if (!dent)
+        ball_for_four(&four, solid->items[id].shape, lanes);
+    else
+        four.good = (sagi_l4){0};
+    const search s = {.path_length = 1, .path = {geometry}};
+    for (uint32_t left = lanes; left != 0; left &= left - 1) {
+        const uint32_t lane = (uint32_t)__builtin_ctz(left), ray = 4 * (uint32_t)i + lane;
+        if (four.good[lane] != 0) {
+            write_hit(&s, id, (uint32_t)four.primitive[lane], four.t[lane], 0, 0, &hit);
+            hit.flipped = dent;
+        } else if (!dented_hit(p, ray, geometry, part, dent, &hit)) {
+            asked |= 1U << ray;
+            continue;
+        }
+        if (hit.t <= p->t_max[i][lane]) packet_found(p, ray, &hit);
+    }
+    return asked;
+}
+
 // The rays' lines in the solid's space, or false.
 SAGI_INLINE bool packet_lines(const packet *p, const sagi_dented *solid, const sagi_place *place, float begin,
                               packet_line line[PACKET_GROUPS], float *unit) {
@@ -231,27 +312,29 @@ SAGI_INLINE bool packet_lines(const packet *p, const sagi_dented *solid, const s
 static __attribute__((noinline)) uint32_t packet_dented(packet *p, uint32_t geometry, float begin,
                                                         uint32_t rays) {
     const sagi_item *item = &p->world->items[geometry];
+    const sagi_dented *solid = item->child->dented;
     packet_line line[PACKET_GROUPS];
     float unit;
-    if (!packet_lines(p, item->child->dented, item->place, begin, line, &unit)) return rays;
+    if (!packet_lines(p, solid, item->place, begin, line, &unit)) return rays;
+    sag_vec3 origin = p->rays->origin;
+    if (item->place != NULL) origin = sagi_affine_point(&item->place->to_object, origin);
+    turn_directions(p);
     uint32_t asked = 0;
     const float first = (float)((p->t_min - (double)begin) * (double)unit);
     for (uint32_t g = 0; g < PACKET_GROUPS; g++) {
         const uint32_t wanted = rays >> 8 * g & 0xFF;
         if (wanted == 0) continue;
         const sagi_f8 last = (p->limit[g] - begin) * unit * (1 + 0x1p-20F) + DENTED_T;
-        const packet_dent d = meet_dented(item->child->dented, &line[g], first, last);
+        const packet_dent d = meet_dented(solid, &line[g], first, last);
         asked |= (sagi_i8_mask(d.asked) & wanted) << 8 * g;
-        for (uint32_t left = sagi_i8_mask(d.certain) & wanted; left != 0; left &= left - 1) {
-            const uint32_t lane = (uint32_t)__builtin_ctz(left), ray = 8 * g + lane,
-                           which = (uint32_t)d.owner[lane];
-            const bool dent = which >= item->child->dented->convex_count;
-            sag_hit hit;
-            if (!dented_hit(p, ray, geometry, item->child->dented->parts[which].part, dent, &hit))
-                asked |= 1U << ray;
-            else if (hit.t <= p->t_max[ray / 4][ray % 4])
-                packet_found(p, ray, &hit);
-        }
+        const uint32_t certain = sagi_i8_mask(d.certain) & wanted;
+        for (uint32_t half = 0; half < 2; half++)
+            for (uint32_t left = certain & 15U << 4 * half, now; left != 0; left &= ~now) { // part by part
+                const int32_t which = d.owner[__builtin_ctz(left)];
+                now = left & sagi_i8_mask(d.owner == which);
+                asked |= dented_hits(p, geometry, origin, 2 * g + half, now >> 4 * half,
+                                     solid->parts[which].part, (uint32_t)which >= solid->convex_count);
+            }
     }
     return asked;
 }
