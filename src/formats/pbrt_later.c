@@ -7,11 +7,12 @@
 // when a directive fails, meshes before it come first.
 //
 // An object is committed where it ends, since instances want a committed scene, and once more when its meshes
-// are there.
+// are there. Pictures wait in the same line: a texture needs no more than their ids.
 #include "formats/pbrt_later.h"
 
 #include "formats/mesh_text.h"
 #include "formats/pbrt_shape.h"
+#include "formats/picture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,19 +23,20 @@
 #define MAX_WAITING_BYTES ((size_t)256 << 20)
 #define MAX_WAITING       65536
 
-typedef enum waiting_kind { MESSAGE, TRIANGLES, PLY, COMMIT } waiting_kind;
+typedef enum waiting_kind { MESSAGE, TRIANGLES, PLY, PICTURE, COMMIT } waiting_kind;
 
 struct sagi_waiting {
     waiting_kind kind;
     sagi_place place;       // of the shape, or the object's end
     sagi_place name;        // of a file's name
     sagi_cursor parameters; // of a mesh in the text
-    char *text;             // a message, or the path of a file
+    char *text;             // a message, the path of a mesh's file, or for what a picture is
     size_t text_bytes, bytes;
     sag_scene *scene;
     uint32_t geometry, object; // object: number + 1; 0: none
     sagi_mesh_text mesh;
     uint32_t dropped, triangle_count;
+    sag_picture_id picture;
     sag_status status;
     sag_error *error;
 };
@@ -76,11 +78,15 @@ static void waits(sagi_pbrt *p, const struct sagi_waiting *w) {
     p->waiting_count++;
 }
 
+static size_t file_bytes(const char *path) {
+    struct stat information;
+    return stat(path, &information) == 0 && information.st_size > 0 ? (size_t)information.st_size : 0;
+}
+
 sag_status sagi_pbrt_ply_later(sagi_pbrt *p, const char *path, sagi_place name) {
     struct sagi_waiting *const w = next_waiting(p, PLY, p->params.place);
     if (!w || !keep_text(p, w, path)) return sagi_pbrt_out_of_memory(p);
-    struct stat information;
-    w->bytes = stat(path, &information) == 0 && information.st_size > 0 ? (size_t)information.st_size : 0;
+    w->bytes = file_bytes(path);
     w->name = name;
     w->mesh.data.context = p->context;
     const sag_status status = add_place_holder(p, w);
@@ -89,6 +95,20 @@ sag_status sagi_pbrt_ply_later(sagi_pbrt *p, const char *path, sagi_place name) 
     else
         sag_release(p->context, w->text, w->text_bytes);
     return status;
+}
+
+sag_status sagi_pbrt_picture_later(sagi_pbrt *p, const char *path, sagi_place name, sag_encoding encoding,
+                                   double gamma, sag_picture_id *id) {
+    bool is_new;
+    *id = sagi_picture_reserve(p->world, path, encoding, gamma, &is_new);
+    if (*id == 0) return sagi_pbrt_out_of_memory(p);
+    if (!is_new) return SAG_OK;
+    struct sagi_waiting *const w = next_waiting(p, PICTURE, name);
+    if (!w || !keep_text(p, w, p->params.what)) return sagi_pbrt_out_of_memory(p);
+    w->bytes = file_bytes(path);
+    w->picture = *id;
+    waits(p, w);
+    return SAG_OK;
 }
 
 bool sagi_pbrt_triangles_later(sagi_pbrt *p, sagi_cursor parameters, sag_status *status) {
@@ -122,7 +142,8 @@ bool sagi_pbrt_triangles_later(sagi_pbrt *p, sagi_cursor parameters, sag_status 
 bool sagi_pbrt_commit_later(sagi_pbrt *p, sagi_place place, uint32_t object, sag_status *status) {
     bool found = false;
     for (size_t i = p->waiting_count; i-- > 0 && !found && p->waiting[i].kind != COMMIT;)
-        found = p->waiting[i].object == object + 1 && p->waiting[i].kind != MESSAGE;
+        found = p->waiting[i].object == object + 1 &&
+                (p->waiting[i].kind == TRIANGLES || p->waiting[i].kind == PLY);
     if (!found) return false;
     struct sagi_waiting *const w = next_waiting(p, COMMIT, place);
     *status = w ? SAG_OK : sagi_pbrt_out_of_memory(p);
@@ -172,11 +193,13 @@ static void read_file(void *argument, size_t index) {
     const crew *c = argument;
     struct sagi_waiting *const w = c->files[index];
     sag_error error = {0};
-    const sag_status status = sagi_ply_read(c->p->context, w->text, &w->mesh.data, &error);
-    if (status == SAG_OK)
-        take_mesh(c->p, w);
-    else
+    const bool is_mesh = w->kind == PLY;
+    const sag_status status = is_mesh ? sagi_ply_read(c->p->context, w->text, &w->mesh.data, &error)
+                                      : sagi_picture_read(w->picture, c->p->world, &error);
+    if (status != SAG_OK)
         fail(c->p, w, status, &error);
+    else if (is_mesh)
+        take_mesh(c->p, w);
 }
 
 static void take_text(void *argument, size_t index) {
@@ -227,6 +250,9 @@ static sag_status mesh_error(sagi_pbrt *p, const struct sagi_waiting *w) {
     if (w->status == SAG_ERROR_MEMORY || !w->error) return sagi_pbrt_out_of_memory(p);
     if (w->kind == COMMIT)
         sagi_place_error(w->place, p->error, "the object cannot be built: %.400s", w->error->message);
+    else if (w->kind == PICTURE)
+        sagi_place_error(w->place, p->error, "%.120s: %.200s: %.180s", w->text,
+                         sagi_world_picture_entry(p->world, w->picture)->path, w->error->message);
     else if (w->kind == PLY && w->status == SAG_ERROR_IO) // the place of the name is what helps
         sagi_place_error(w->name, p->error, "Shape \"plymesh\": %.250s: %.120s", w->text, w->error->message);
     else
@@ -245,7 +271,7 @@ static sag_status finish(sagi_pbrt *p, struct sagi_waiting *w) {
         if (status != SAG_OK) return status;
     }
     if (w->status != SAG_OK) return mesh_error(p, w);
-    if (w->kind == COMMIT) return SAG_OK;
+    if (w->kind == COMMIT || w->kind == PICTURE) return SAG_OK;
     if (w->object) p->objects[w->object - 1].weight += w->triangle_count - 1;
     int line = 0, column = 0;
     if (p->options->on_mesh || w->dropped) sagi_place_find(w->place, &line, &column); // counts all lines
@@ -304,7 +330,7 @@ sag_status sagi_pbrt_catch_up(sagi_pbrt *p) {
                   .meshes = (sagi_mesh_text **)room + 3 * n};
         for (size_t i = 0; i < n; i++) {
             struct sagi_waiting *const w = &p->waiting[i];
-            if (w->kind == PLY) c.files[c.file_count++] = w;
+            if (w->kind == PLY || w->kind == PICTURE) c.files[c.file_count++] = w;
             if (w->kind == COMMIT) c.commits[c.commit_count++] = w;
             if (w->kind == TRIANGLES) c.meshes[c.text_count] = &w->mesh, c.texts[c.text_count++] = w;
         }

@@ -2,7 +2,7 @@
 // Textures of a pbrt scene, with pbrt-v4's parameters and defaults. A texture stands in the space of its
 // directive: mappings from points undo the transform of that place.
 #include "formats/number.h"
-#include "formats/pbrt.h"
+#include "formats/pbrt_later.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -84,13 +84,9 @@ sag_status sagi_pbrt_picture(sagi_pbrt *p, sagi_place place, const char *paramet
         (ends_with(path, ".jpg") || ends_with(path, ".jpeg") || ends_with(path, ".tga")))
         sagi_pbrt_warn_once(p, place, "encoding", "%.200s: an encoding is for PNG files, this one is sRGB",
                             path);
-    sag_error reason;
-    const sag_status status = sag_world_load_picture(p->world, path, encoding, gamma, id, &reason);
-    if (status == SAG_OK) return SAG_OK;
-    sagi_params_fail(params, sagi_params_find(params, parameter, ~0u), "%.200s: %.180s", path,
-                     reason.message);
-    p->error->status = status;
-    return params->status = status;
+    params->status = sagi_pbrt_picture_later(p, path, sagi_params_find(params, parameter, ~0u)->place,
+                                             encoding, gamma, id);
+    return params->status;
 }
 
 static sag_status read_image(sagi_pbrt *p, sagi_place place, sag_texture *texture) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Pictures for textures, from files: 8-bit ones keep their bytes. As in pbrt-v4 the encoding that a scene
 // asks for is for PNG files; the other 8-bit formats have one of their own, and floats are linear.
-#include "render/picture.h"
+#include "formats/picture.h"
+
 #include "formats/file.h"
 #include "formats/image.h"
 
@@ -35,24 +36,41 @@ static sag_status decode(const sagi_image_source *source, sagi_transfer transfer
     return status;
 }
 
-sag_status sag_world_load_picture(sag_world *world, const char *path, sag_encoding encoding, double gamma,
-                                  sag_picture_id *id, sag_error *error) {
-    *id = 0;
-    const sagi_transfer transfer = {encoding == SAG_ENCODING_DEFAULT ? SAG_ENCODING_SRGB : encoding,
-                                    gamma > 0 && isfinite(gamma) ? gamma : 0};
-    *id = sagi_world_find_picture(world, path, transfer);
-    if (*id != 0) return SAG_OK;
+sag_status sagi_picture_read(sag_picture_id id, sag_world *world, sag_error *error) {
+    sagi_picture *picture = sagi_world_picture_entry(world, id);
+    const sagi_transfer transfer = picture->transfer;
     sag_context *context = sag_world_context(world);
     sagi_file file;
-    sag_status status = sagi_file_open(context, path, &file, error);
+    sag_status status = sagi_file_open(context, picture->path, &file, error);
     if (status != SAG_OK) return status;
     sagi_image_bytes kept = {0};
-    const sag_encoding encoding_read = transfer.gamma > 0 ? SAG_ENCODING_LINEAR : transfer.encoding;
-    const sagi_image_source source = {context, path, file.bytes, file.size, encoding_read, &kept};
-    sagi_mipmap mipmap;
-    status = decode(&source, transfer, &mipmap, error);
+    const sag_encoding encoding = transfer.gamma > 0 ? SAG_ENCODING_LINEAR : transfer.encoding;
+    const sagi_image_source source = {context, picture->path, file.bytes, file.size, encoding, &kept};
+    status = decode(&source, transfer, &picture->mipmap, error);
     sagi_file_close(&file);
-    if (status != SAG_OK) return status;
-    *id = sagi_world_keep_picture(world, &mipmap, path, transfer);
-    return *id != 0 ? SAG_OK : sag_error_set_at(error, SAG_ERROR_MEMORY, path, 0, 0, "out of memory");
+    return status;
+}
+
+sag_picture_id sagi_picture_reserve(sag_world *world, const char *path, sag_encoding encoding, double gamma,
+                                    bool *is_new) {
+    const sagi_transfer transfer = {encoding == SAG_ENCODING_DEFAULT ? SAG_ENCODING_SRGB : encoding,
+                                    gamma > 0 && isfinite(gamma) ? gamma : 0};
+    const sag_picture_id found = sagi_world_find_picture(world, path, transfer);
+    *is_new = found == 0;
+    sagi_mipmap empty = {0};
+    return found != 0 ? found : sagi_world_keep_picture(world, &empty, path, transfer);
+}
+
+sag_status sag_world_load_picture(sag_world *world, const char *path, sag_encoding encoding, double gamma,
+                                  sag_picture_id *id, sag_error *error) {
+    bool is_new;
+    *id = 0;
+    const sag_picture_id made = sagi_picture_reserve(world, path, encoding, gamma, &is_new);
+    if (made == 0) return sag_error_set_at(error, SAG_ERROR_MEMORY, path, 0, 0, "out of memory");
+    const sag_status status = is_new ? sagi_picture_read(made, world, error) : SAG_OK;
+    if (status == SAG_OK)
+        *id = made;
+    else
+        sagi_world_drop_picture(world); // the newest
+    return status;
 }

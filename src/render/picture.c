@@ -43,12 +43,23 @@ const sagi_mipmap *sagi_world_picture(const sag_world *world, sag_picture_id id)
     return &((const sagi_picture *)world->pictures.items)[id - 1].mipmap;
 }
 
+sagi_picture *sagi_world_picture_entry(sag_world *world, sag_picture_id id) {
+    return (sagi_picture *)world->pictures.items + (id - 1);
+}
+
+static void clear(const sag_world *world, sagi_picture *picture) {
+    sagi_mipmap_clear(&picture->mipmap, world->context);
+    if (picture->path) sag_release(world->context, picture->path, strlen(picture->path) + 1);
+}
+
+void sagi_world_drop_picture(sag_world *world) {
+    clear(world, sagi_world_picture_entry(world, (sag_picture_id)world->pictures.count));
+    world->pictures.count--;
+}
+
 void sagi_world_clear_pictures(sag_world *world) {
     sagi_picture *pictures = world->pictures.items;
-    for (size_t i = 0; i < world->pictures.count; i++) {
-        sagi_mipmap_clear(&pictures[i].mipmap, world->context);
-        if (pictures[i].path) sag_release(world->context, pictures[i].path, strlen(pictures[i].path) + 1);
-    }
+    for (size_t i = 0; i < world->pictures.count; i++) clear(world, &pictures[i]);
     sagi_list_clear(world->context, &world->pictures, sizeof *pictures);
 }
 

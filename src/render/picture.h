@@ -16,6 +16,9 @@ sag_picture_id sagi_world_find_picture(const sag_world *world, const char *path,
 // Takes the mipmap over, also on failure; `path` may be NULL. 0 when memory is short.
 sag_picture_id sagi_world_keep_picture(sag_world *world, sagi_mipmap *mipmap, const char *path,
                                        sagi_transfer transfer);
+sagi_picture *sagi_world_picture_entry(sag_world *world, sag_picture_id id); // one that is
+// Takes back the picture that was added last.
+void sagi_world_drop_picture(sag_world *world);
 // NULL for an id that is none.
 const sagi_mipmap *sagi_world_picture(const sag_world *world, sag_picture_id id);
 void sagi_world_clear_pictures(sag_world *world);

@@ -231,6 +231,15 @@ static void what_scenes_get_wrong(void **state) {
     scene_fails(SCENE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.exr\"", 2, 32, "no.exr");
     scene_fails(SCENE "Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 0", 2, 27, "octaves 0");
     scene_fails(SCENE "Texture \"t\" \"float\" \"stucco\"", 2, 1, "unknown texture \"stucco\"");
+    // Pictures are read after the text, and yet what comes first is said first.
+    scene_fails(SCENE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"\nShape \"blob\"",
+                2, 32, "Texture \"t\": ");
+    scene_fails(SCENE "Material \"diffuse\" \"string normalmap\" \"no.png\"", 2, 20, "no.png");
+    scene_fails_without_memory(
+        IMAGE "\"float scale\" 2 Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" "
+              "\"rgb.png\" \"string encoding\" \"linear\" Material \"diffuse\" "
+              "\"texture reflectance\" \"u\" \"texture displacement\" \"t\" "
+              "\"string normalmap\" \"rgb.png\" Shape \"sphere\" \"float alpha\" 0.5");
     sag_world *world = world_with("Texture \"t\" \"float\" \"ptex\" \"string filename\" \"a.ptx\"");
     assert_int_equal(scene_warning_count, 1);
     assert_non_null(strstr(scene_warnings, "ptex"));
