@@ -25,7 +25,8 @@ typedef struct sagi_color_space {
 
 // One table for each component that may be the largest: [largest][its value z, rising][last/z][next/z]. What
 // it holds is c √z, which is smooth down to black.
-typedef float sagi_color_table[3][SAGI_COLOR_LEVELS][SAGI_COLOR_RATIOS][SAGI_COLOR_RATIOS][4];
+typedef float sagi_coefficients __attribute__((vector_size(16))); // and 0
+typedef sagi_coefficients sagi_color_table[3][SAGI_COLOR_LEVELS][SAGI_COLOR_RATIOS][SAGI_COLOR_RATIOS];
 
 // The sum of y: light of this power at every nanometre has luminance 1 (a candela's 683 lm/W left aside).
 double sagi_luminance_norm(void);
@@ -52,5 +53,9 @@ static inline double sagi_color_level(int i) {
 // Written when the library is built (src/tables): the spaces by sag_color_space, and their tables.
 extern const sagi_color_space sagi_color_spaces[SAGI_COLOR_SPACE_COUNT];
 extern const sagi_color_table sagi_color_tables[SAGI_COLOR_SPACE_COUNT];
+// sagi_color_level of each level, and the highest level not above i/SAGI_COLOR_GUIDE, but for the last.
+#define SAGI_COLOR_GUIDE 64
+extern const float sagi_color_levels[SAGI_COLOR_LEVELS];
+extern const unsigned char sagi_color_guide[SAGI_COLOR_GUIDE + 1];
 
 #endif

@@ -4,6 +4,8 @@
 // smooth, and 2m scales it; light is that times the space's white. Grey is the same at all wavelengths.
 #include "spectrum.h"
 
+#include <float.h>
+
 #define LEVELS SAGI_COLOR_LEVELS
 #define RATIOS SAGI_COLOR_RATIOS
 
@@ -12,34 +14,23 @@ static sag_rgb cut_off(sag_rgb c, double high) {
 }
 
 // Coefficients from the table, linear between its nodes. The colour is in [0, 1] and not black.
-static void look_up(sag_color_space space, const double rgb[3], float c[3]) {
+static void look_up(sag_color_space space, const float rgb[3], float c[3]) {
     const int largest = rgb[0] > rgb[1] ? (rgb[0] > rgb[2] ? 0 : 2) : (rgb[1] > rgb[2] ? 1 : 2);
-    const double z = rgb[largest];
-    const double x = rgb[(largest + 1) % 3] / z * (RATIOS - 1), y = rgb[(largest + 2) % 3] / z * (RATIOS - 1);
+    const float z = rgb[largest], over_z = (RATIOS - 1) / z;
+    const float x = rgb[largest < 2 ? largest + 1 : 0] * over_z,
+                y = rgb[largest > 0 ? largest - 1 : 2] * over_z;
     const int xi = x < RATIOS - 2 ? (int)x : RATIOS - 2, yi = y < RATIOS - 2 ? (int)y : RATIOS - 2;
-    int zi = 0, high = LEVELS - 1;
-    while (high - zi > 1) {
-        const int middle = (zi + high) / 2;
-        if (sagi_color_level(middle) <= z)
-            zi = middle;
-        else
-            high = middle;
-    }
-    const double low = sagi_color_level(zi);
-    const float dx = (float)(x - xi), dy = (float)(y - yi),
-                dz = (float)((z - low) / (sagi_color_level(zi + 1) - low));
-    sagi_spectrum layers[2];
+    int zi = sagi_color_guide[(int)(z * SAGI_COLOR_GUIDE)];
+    while (zi < LEVELS - 2 && sagi_color_levels[zi + 1] <= z) zi++;
+    const float low = sagi_color_levels[zi], high = sagi_color_levels[zi + 1];
+    const float dx = x - (float)xi, dy = y - (float)yi, dz = (z - low) / (high - low);
+    sagi_coefficients layers[2];
     for (int k = 0; k < 2; k++) {
-        const float(*layer)[RATIOS][4] = sagi_color_tables[space][largest][zi + k];
-        const float *a = layer[yi][xi], *b = layer[yi][xi + 1], *d = layer[yi + 1][xi],
-                    *e = layer[yi + 1][xi + 1];
-        const sagi_spectrum va = {a[0], a[1], a[2], 0}, vb = {b[0], b[1], b[2], 0},
-                            vd = {d[0], d[1], d[2], 0}, ve = {e[0], e[1], e[2], 0};
-        layers[k] = (1 - dy) * ((1 - dx) * va + dx * vb) + dy * ((1 - dx) * vd + dx * ve);
+        const sagi_coefficients *a = &sagi_color_tables[space][largest][zi + k][yi][xi], *b = a + RATIOS;
+        layers[k] = (1 - dy) * ((1 - dx) * a[0] + dx * a[1]) + dy * ((1 - dx) * b[0] + dx * b[1]);
     }
-    const sagi_spectrum value = (1 - dz) * layers[0] + dz * layers[1];
-    const float over_root = 1 / sqrtf((float)z);
-    for (int k = 0; k < 3; k++) c[k] = value[k] * over_root;
+    const sagi_coefficients value = ((1 - dz) * layers[0] + dz * layers[1]) / sqrtf(z);
+    for (int k = 0; k < 3; k++) c[k] = value[k];
 }
 
 static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, bool exactly) {
@@ -53,7 +44,9 @@ static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, boo
     const double scale = use == SAGI_RGB_ALBEDO ? 1 : 2 * most;
     const double wanted[3] = {rgb.r / scale, rgb.g / scale, rgb.b / scale};
     sagi_color color = {.scale = (float)scale, .table = illuminant, .curved = true, .varies = true};
-    look_up(space, wanted, color.c);
+    const float near[3] = {(float)wanted[0], (float)wanted[1], (float)wanted[2]};
+    if (!(fmaxf(near[0], fmaxf(near[1], near[2])) > RATIOS * FLT_MIN)) return (sagi_color){.scale = 0};
+    look_up(space, near, color.c);
     if (!exactly) return color;
     double c[3] = {(double)color.c[0], (double)color.c[1], (double)color.c[2]};
     sagi_color_solve(&sagi_color_spaces[space], 1, wanted, c);

@@ -15,7 +15,7 @@
 #define RATIOS  SAGI_COLOR_RATIOS
 #define STEP_NM 5
 
-static float table[3][LEVELS][RATIOS][RATIOS][4];
+static sagi_color_table table;
 
 static void expand(const char *lamp_name, float illuminant[SAGI_WAVELENGTH_COUNT]) {
     for (int l = 0; l < SAGI_LAMP_COUNT; l++) {
@@ -65,6 +65,18 @@ static void print_space(FILE *file, const sagi_color_space *s) {
     fprintf(file, "}},\n");
 }
 
+static void print_levels(FILE *file) {
+    fprintf(file, "const float sagi_color_levels[SAGI_COLOR_LEVELS] = {\n");
+    for (int i = 0; i < LEVELS; i++) fprintf(file, "%.9g,\n", sagi_color_level(i));
+    fprintf(file, "};\nconst unsigned char sagi_color_guide[SAGI_COLOR_GUIDE + 1] = {\n");
+    for (int i = 0, level = 0; i <= SAGI_COLOR_GUIDE; i++) {
+        while (level < LEVELS - 2 && (float)sagi_color_level(level + 1) <= (float)i / SAGI_COLOR_GUIDE)
+            level++;
+        fprintf(file, "%d,\n", level);
+    }
+    fprintf(file, "};\n");
+}
+
 int main(int argc, char **argv) {
     // In the order of sag_color_space. Rec. ITU-R BT.709; P3 with the white of D65 (Display P3, SMPTE EG
     // 432-1); Rec. ITU-R BT.2020; SMPTE ST 2065-1.
@@ -105,7 +117,8 @@ int main(int argc, char **argv) {
                     fprintf(file, "{");
                     for (int x = 0; x < RATIOS; x++) {
                         fprintf(file, "{");
-                        print_floats(file, table[largest][z][y][x], 3);
+                        const sagi_coefficients c = table[largest][z][y][x];
+                        fprintf(file, "%.9g,%.9g,%.9g", (double)c[0], (double)c[1], (double)c[2]);
                         fprintf(file, "}%s", x + 1 < RATIOS ? "," : "");
                     }
                     fprintf(file, "},\n");
@@ -117,5 +130,6 @@ int main(int argc, char **argv) {
         fprintf(file, "},\n");
     }
     fprintf(file, "};\n");
+    print_levels(file);
     return fclose(file) == 0 ? 0 : 1;
 }
