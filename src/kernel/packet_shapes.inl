@@ -5,23 +5,30 @@
 // quadrics (shapes/outline_four.h) for about as much as four boxes would take. All other shapes are asked ray
 // by ray.
 
-// Takes note of a hit of one ray.
-static void packet_found(packet *p, uint32_t ray, const sag_hit *hit) {
+// Whether a hit of one ray at t is its nearest so far, and is to be written to p->hits: which holds its t
+// from then on. (Of hits at the same t, sagi_hit_before tells: packet_found.)
+static inline bool packet_comes_first(packet *p, uint32_t ray, double t) {
     const size_t group = ray / 8, lane = ray % 8;
-    const double tau = hit->t * p->unit;
+    const double tau = t * p->unit;
     const float earliest = (float)(tau * (1 - 0x1p-22)), latest = (float)(tau * (1 + 0x1p-22) + 0x1p-70);
     if (p->nearest[group][lane] == PACKET_FOUND) {
-        if (!sagi_hit_before(hit, &p->hits[ray])) return;
+        if (!(t <= p->t_max[ray / 4][ray % 4])) return false;
     } else if (!(latest < p->earliest[group][lane])) {
-        if (earliest > p->limit[group][lane]) return;
-        leave_undecided(p, group, 1U << lane, 0, NULL, 0);
-        return;
+        if (!(earliest > p->limit[group][lane])) leave_undecided(p, group, 1U << lane, 0, NULL, 0);
+        return false;
     }
-    p->hits[ray] = *hit;
     p->nearest[group][lane] = PACKET_FOUND;
     p->earliest[group][lane] = earliest;
     p->limit[group][lane] = sagi_float_min(p->limit[group][lane], latest);
-    p->t_max[ray / 4][ray % 4] = hit->t;
+    p->t_max[ray / 4][ray % 4] = t;
+    return true;
+}
+
+// Takes note of a hit of one ray.
+static void packet_found(packet *p, uint32_t ray, const sag_hit *hit) {
+    const bool second = p->nearest[ray / 8][ray % 8] == PACKET_FOUND && hit->t == p->hits[ray].t;
+    if (packet_comes_first(p, ray, hit->t) && !(second && sagi_hit_before(&p->hits[ray], hit)))
+        p->hits[ray] = *hit;
 }
 
 // Asks shapes for these rays, one by one.
@@ -87,9 +94,15 @@ static inline uint32_t take_four(packet *p, size_t four, uint32_t geometry, cons
     const search here = {.path_length = 0};
     for (uint32_t left = sagi_d4_signs((sagi_d4)found->hit); left != 0; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        sag_hit hit;
-        write_hit(&here, geometry, (uint32_t)found->primitive[i], found->t[i], 0, 0, &hit);
-        packet_found(p, (uint32_t)(4 * four) + (uint32_t)i, &hit);
+        const uint32_t ray = (uint32_t)(4 * four) + (uint32_t)i, primitive = (uint32_t)found->primitive[i];
+        const double t = found->t[i];
+        if (__builtin_expect(p->nearest[ray / 8][ray % 8] == PACKET_FOUND && t == p->hits[ray].t, 0)) {
+            sag_hit hit;
+            write_hit(&here, geometry, primitive, t, 0, 0, &hit);
+            packet_found(p, ray, &hit);
+        } else if (packet_comes_first(p, ray, t)) {
+            write_hit(&here, geometry, primitive, t, 0, 0, &p->hits[ray]);
+        }
     }
     return sagi_d4_signs((sagi_d4)found->unknown) << 4 * four;
 }

@@ -15,8 +15,8 @@ typedef struct sagi_pixel {
 // Adds a sample, dimmed until no component exceeds `most`; false, adding nothing, for one that is not finite.
 static inline bool sagi_pixel_add(sagi_pixel *pixel, double weight, sag_rgb value, double most) {
     if (!sagi_rgb_is_finite(value)) return false;
-    const double largest = sagi_rgb_max(value);
-    if (largest > most) value = sagi_rgb_scale(value, most / largest);
+    if (value.r > most || value.g > most || value.b > most)
+        value = sagi_rgb_scale(value, most / sagi_rgb_max(value));
     pixel->r += weight * value.r, pixel->g += weight * value.g, pixel->b += weight * value.b;
     pixel->weight += weight;
     pixel->count++;
