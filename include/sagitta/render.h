@@ -200,6 +200,20 @@ typedef struct sag_light {
 } sag_light;
 
 // -----------------------------------------------------------------------------------------------------------
+// media
+
+/// What fills space between surfaces, the same everywhere: fog, coloured glass, juice. Light loses
+/// exp(−(σa + σs) d) over a distance d; what is scattered goes on by Henyey and Greenstein's phase function.
+/// Seen by SAG_INTEGRATOR_VOLPATH only. Zero-initialised: vacuum.
+typedef struct sag_medium {
+    sag_input absorption, scattering; ///< σa, σs per unit of length, ≥ 0; no textures
+    double scale;                     ///< multiplies both; 0 counts as 1
+    double g;           ///< mean cosine of the angle by which light is turned, in (−1, 1): 0 all ways alike
+    sag_input emission; ///< radiance that the medium would have were it endless and did not scatter
+    double emission_scale; ///< multiplies it; 0 counts as 1
+} sag_medium;
+
+// -----------------------------------------------------------------------------------------------------------
 // world
 
 typedef struct sag_world sag_world;
@@ -253,6 +267,11 @@ SAG_API uint32_t sag_world_add_material(sag_world *world, const sag_material *ma
 /// As sag_world_add_texture, for a light; numbers out of range are reported by sag_render_create.
 SAG_API uint32_t sag_world_add_light(sag_world *world, const sag_light *light);
 
+/// As sag_world_add_texture, for a medium; 0 also for negative or infinite coefficients and |g| ≥ 1.
+SAG_API uint32_t sag_world_add_medium(sag_world *world, const sag_medium *medium);
+/// Puts another medium in the place of one. SAG_ERROR_ARGUMENT for what add refuses and an unknown id.
+SAG_API sag_status sag_world_set_medium(sag_world *world, uint32_t id, const sag_medium *medium);
+
 /// How a geometry looks. Zero-initialised: the default material, grey diffuse. The front is where the
 /// geometric normal points, turned to the side of the shading normal where a mesh brings normals of its own
 /// (as pbrt does), then turned by `flip`.
@@ -263,6 +282,9 @@ typedef struct sag_appearance {
     double emission_scale;
     bool two_sided; ///< emits on both sides
     bool flip;      ///< the front is the back (pbrt's ReverseOrientation)
+    /// Media on the sides; 0: vacuum. Where both are the same the surface does not divide media, and what
+    /// surrounds it is on both sides.
+    uint32_t inside, outside;
     sag_input
         alpha; ///< with texture ≠ 0: the share of the surface that is there, and of the rays that see it
 } sag_appearance;
@@ -382,11 +404,12 @@ typedef enum sag_integrator_kind {
     SAG_INTEGRATOR_DIRECT, ///< light that bounces once, mirrors and glass followed
     SAG_INTEGRATOR_AO, ///< ambient occlusion: the visible share of the cosine-weighted hemisphere; 0 where
                        ///< nothing is hit
-    SAG_INTEGRATOR_NORMAL, ///< (n + 1)/2 of the shading normal, turned to the camera
-    SAG_INTEGRATOR_UV,     ///< texture coordinates (u, v, 0), wrapped to [0, 1]
-    SAG_INTEGRATOR_DEPTH,  ///< distance from the camera's origin; 0 where nothing is hit
-    SAG_INTEGRATOR_ID,     ///< a colour for each geometry (and instance)
-    SAG_INTEGRATOR_ALBEDO, ///< reflectance
+    SAG_INTEGRATOR_NORMAL,  ///< (n + 1)/2 of the shading normal, turned to the camera
+    SAG_INTEGRATOR_UV,      ///< texture coordinates (u, v, 0), wrapped to [0, 1]
+    SAG_INTEGRATOR_DEPTH,   ///< distance from the camera's origin; 0 where nothing is hit
+    SAG_INTEGRATOR_ID,      ///< a colour for each geometry (and instance)
+    SAG_INTEGRATOR_ALBEDO,  ///< reflectance
+    SAG_INTEGRATOR_VOLPATH, ///< as path, through media
 } sag_integrator_kind;
 
 /// How the path tracer finds the light that reaches a surface. All three have the same mean; for comparison.
@@ -421,6 +444,7 @@ typedef struct sag_settings {
                            ///< caustics for far less noise. Off by default
     sag_strategy strategy; ///< path and direct only
     sag_light_sampler light_sampler; ///< path and direct only
+    uint32_t camera_medium;          ///< the medium the camera stands in; 0: vacuum
 } sag_settings;
 
 /// Whether sag_film.sensor may have this name.

@@ -56,6 +56,7 @@ typedef enum sagi_active { SAGI_ACTIVE_ALL, SAGI_ACTIVE_START, SAGI_ACTIVE_END }
 // What is known of a medium.
 typedef struct sagi_medium_name {
     sagi_place used_at; // first
+    uint32_t id;        // in the world; 0 where only the geometry is read
     bool made;
 } sagi_medium_name;
 

@@ -13,9 +13,65 @@ static bool number_of(sagi_pbrt *p, sagi_place place, const char *name, uint32_t
     void *media = p->media;
     if (!sagi_pbrt_reserve(p, &media, &p->medium_allocated, p->medium_count, sizeof *p->media)) return false;
     p->media = media;
-    p->media[p->medium_count++] = (sagi_medium_name){.used_at = place};
+    uint32_t id = 0;
+    if (!p->options->geometry_only && !(id = sag_world_add_medium(p->world, &(sag_medium){.g = 0})))
+        return false;
+    p->media[p->medium_count++] = (sagi_medium_name){.used_at = place, .id = id};
     *number = (uint32_t)p->medium_count;
     return sagi_names_set(&p->medium_names, key, *number);
+}
+
+// The medium's coefficients: of a substance with a name, or as given; 1 where nothing is said.
+static void read_coefficients(sagi_pbrt *p, sagi_place place, sag_medium *medium) {
+    char preset[128];
+    sagi_params_string(&p->params, "preset", "", preset, sizeof preset);
+    if (preset[0]) {
+        if (sagi_pbrt_substance(preset, &medium->absorption.value, &medium->scattering.value)) {
+            sagi_pbrt_ignore(p, "sigma_a", NULL);
+            sagi_pbrt_ignore(p, "sigma_s", NULL);
+            return;
+        }
+        sagi_pbrt_warn(p, place, "there is no substance \"%.100s\"", preset);
+    }
+    medium->absorption = sagi_pbrt_spectrum_input(p, "sigma_a", SAGI_SPECTRUM_INDEX, 1);
+    medium->scattering = sagi_pbrt_spectrum_input(p, "sigma_s", SAGI_SPECTRUM_INDEX, 1);
+}
+
+static sag_status read_medium(sagi_pbrt *p, sagi_place place, uint32_t id) {
+    sagi_params *params = &p->params;
+    char kind[64];
+    sagi_params_string(params, "type", "", kind, sizeof kind);
+    if (params->status == SAG_OK && !kind[0])
+        return sagi_params_fail(params, NULL, "its \"string type\" is missing");
+    if (strcmp(kind, "homogeneous") != 0) {
+        static const char *const others[] = {"uniformgrid", "rgbgrid", "cloud", "nanovdb"};
+        for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+            if (strcmp(kind, others[i]) == 0) {
+                sagi_pbrt_warn_once(p, place, others[i], "media \"%s\" are not supported: nothing is there",
+                                    kind);
+                return SAG_OK;
+            }
+        return sagi_params_fail(params, sagi_params_find(params, "type", ~0u), "unknown medium \"%.60s\"",
+                                kind);
+    }
+    sag_medium medium = {.scale = sagi_params_float(params, "scale", 1),
+                         .g = sagi_params_float(params, "g", 0)};
+    const bool nothing = medium.scale == 0;
+    read_coefficients(p, place, &medium);
+    if (sagi_params_find(params, "Le", ~0u)) {
+        medium.emission = sagi_pbrt_light_color(p, "Le");
+        medium.emission_scale = sagi_params_float(params, "Lescale", 1);
+        if (medium.emission_scale == 0) medium.emission = (sag_input){.texture = 0};
+    } else {
+        sagi_pbrt_ignore(p, "Lescale", NULL);
+    }
+    const sag_status status = sagi_pbrt_parameters_done(p);
+    if (status != SAG_OK || nothing) return status;
+    if (sag_world_set_medium(p->world, id, &medium) != SAG_OK)
+        return sagi_params_fail(params, NULL,
+                                "sigma_a, sigma_s, scale and Le must not be negative or infinite, nor be "
+                                "textures; g is in (-1, 1)");
+    return SAG_OK;
 }
 
 sag_status sagi_pbrt_make_named_medium(sagi_pbrt *p, sagi_place place) {
@@ -30,8 +86,7 @@ sag_status sagi_pbrt_make_named_medium(sagi_pbrt *p, sagi_place place) {
     sagi_medium_name *medium = &p->media[number - 1];
     if (medium->made) return sagi_place_error(place, p->error, "there is a medium \"%.100s\" already", name);
     medium->made = true;
-    sagi_pbrt_warn_once(p, place, "media", "participating media are not supported: they are left out");
-    return SAG_OK;
+    return p->options->geometry_only ? SAG_OK : read_medium(p, place, medium->id);
 }
 
 sag_status sagi_pbrt_medium_interface(sagi_pbrt *p, sagi_place place) {

@@ -12,4 +12,7 @@ sag_status sagi_pbrt_medium_interface(sagi_pbrt *p, sagi_place place);
 // An error for the first medium that is used and never made; when all has been read.
 sag_status sagi_pbrt_check_media(sagi_pbrt *p);
 
+// The coefficients per millimetre of a substance pbrt knows by name (pbrt_substances.c); false for another.
+bool sagi_pbrt_substance(const char *name, sag_rgb *absorption, sag_rgb *scattering);
+
 #endif

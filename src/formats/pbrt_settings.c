@@ -21,7 +21,7 @@ void sagi_pbrt_default_settings(sagi_pbrt *p) {
     settings->film.filter_sigma = 0.5;
     settings->sampler = SAG_SAMPLER_ZSOBOL;
     settings->samples_per_pixel = 16;
-    settings->integrator = SAG_INTEGRATOR_PATH;
+    settings->integrator = SAG_INTEGRATOR_VOLPATH;
     settings->max_depth = 5;
 }
 
@@ -50,6 +50,7 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
                        "Camera \"realistic\" is not supported: a perspective camera takes its place");
     else if (strcmp(name, "perspective") != 0)
         return unknown(p, place, "camera", name);
+    if (p->state.outside) sag_world_settings(p->world)->camera_medium = p->media[p->state.outside - 1].id;
     sagi_params *params = &p->params;
     if (!sag_affine_inverse(&p->state.ctm, &camera.to_world))
         return sagi_params_fail(params, NULL, "the transform is singular");
@@ -305,8 +306,9 @@ sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     static const char *const others[] = {"simplepath", "simplevolpath", "lightpath",  "bdpt",
                                          "mlt",        "sppm",          "randomwalk", "function"};
     sag_settings *settings = sag_world_settings(p->world);
-    bool known = strcmp(name, "path") == 0 || strcmp(name, "volpath") == 0;
-    settings->integrator = SAG_INTEGRATOR_PATH;
+    const bool plain = strcmp(name, "path") == 0 || strcmp(name, "simplepath") == 0;
+    bool known = plain || strcmp(name, "volpath") == 0;
+    settings->integrator = plain ? SAG_INTEGRATOR_PATH : SAG_INTEGRATOR_VOLPATH;
     if (strcmp(name, "ambientocclusion") == 0) {
         known = true;
         settings->integrator = SAG_INTEGRATOR_AO;
@@ -319,9 +321,9 @@ sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     for (size_t i = 0; !known && i < sizeof others / sizeof *others; i++) {
         if (strcmp(name, others[i]) != 0) continue;
         known = true;
-        sagi_pbrt_warn(p, place,
-                       "Integrator \"%s\" is not supported: \"path\" takes its place, for the same picture",
-                       name);
+        sagi_pbrt_warn(
+            p, place, "Integrator \"%s\" is not supported: \"volpath\" takes its place, for the same picture",
+            name);
         for (size_t k = 0; k < p->params.count; k++)
             if (!sagi_slice_is(p->params.items[k].name, "maxdepth")) p->params.items[k].used = true;
     }

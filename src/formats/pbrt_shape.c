@@ -51,6 +51,8 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p) {
 // Material, alpha and light of the shape being read.
 static sag_appearance look_of(sagi_pbrt *p, double area) {
     sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
+    if (p->state.inside) look.inside = p->media[p->state.inside - 1].id;
+    if (p->state.outside) look.outside = p->media[p->state.outside - 1].id;
     look.alpha = sagi_pbrt_float_input(p, "alpha", 1);
     if (look.alpha.texture == 0 && look.alpha.value.r < 1) {
         const sag_texture constant = {.kind = SAG_TEXTURE_CONSTANT, .is_number = true, .a = look.alpha};

@@ -34,7 +34,9 @@ struct sag_render {
     sagi_lights lights;
     sagi_sensor sensor;
     sagi_wavelength_table wavelengths;
-    bool see_through; // some geometry has alpha or an interface material: rays may have to go on
+    bool has_media;   // and they are to be seen
+    bool see_through; // some geometry has alpha or an interface material, or there are media: rays may have
+                      // to go on, or light on them is dimmed
 
     uint32_t width, height, tiles_x, tiles_y; // of what is made of the film
     uint32_t first_x, first_y;                // its first pixel on the film
@@ -82,7 +84,8 @@ void sagi_layers_add(sag_render *render, const sagi_pixel *at, const sagi_first 
 // Whether samples are light by wavelength, which the sensor makes numbers of.
 static inline bool sagi_is_spectral(const sag_render *render) {
     return render->settings.integrator == SAG_INTEGRATOR_PATH ||
-           render->settings.integrator == SAG_INTEGRATOR_DIRECT;
+           render->settings.integrator == SAG_INTEGRATOR_DIRECT ||
+           render->settings.integrator == SAG_INTEGRATOR_VOLPATH;
 }
 
 #endif

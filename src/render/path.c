@@ -11,6 +11,7 @@
 //
 // A step is what happens at one surface; who traces the rays between, and when, is wave.c's matter.
 #include "job.h"
+#include "medium.h"
 
 static void add(sagi_path *p, sagi_spectrum light) { p->radiance += p->weight * light; }
 
@@ -37,11 +38,13 @@ static void add_light(sagi_wave *wave, sagi_path *p, const sagi_meeting *m) {
     double weight = sagi_light_weight(lights, surface_pdf, &sample);
     value *= sample.radiance * (float)(weight / sample.pdf);
     if (sagi_spectrum_is_black(value) && sagi_spectrum_is_finite(value)) return;
-    sagi_wave_add_light(wave, p, &m->surface, &sample, value);
+    const uint32_t medium =
+        wave->render->has_media ? sagi_medium_beyond(m->appearance, &m->surface, sample.wi, p->medium) : 0;
+    sagi_wave_add_light(wave, p, &m->surface, medium, &sample, value);
 }
 
 // Draws the next direction. False when the path ends.
-static bool scatter(sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
+static bool scatter(const sag_render *render, sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
     double choose = sagi_sampler_1d(&p->sampler);
     sag_vec2 u = sagi_sampler_2d(&p->sampler);
     sagi_bsdf_sample sample;
@@ -52,6 +55,7 @@ static bool scatter(sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
     p->scattered |= !sample.specular;
     p->eta2 *= sample.eta * sample.eta;
     p->depth++;
+    if (render->has_media) p->medium = sagi_medium_beyond(m->appearance, &m->surface, sample.wi, p->medium);
     *ray = sag_spawn_ray(&m->surface, sample.wi);
     ray->mask = sample.transmission                    ? SAG_RAY_REFRACTION
                 : m->bsdf.kind == SAG_MATERIAL_DIFFUSE ? SAG_RAY_DIFFUSE
@@ -59,7 +63,7 @@ static bool scatter(sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
     return true;
 }
 
-static bool survives(sagi_path *p) {
+bool sagi_path_survives(sagi_path *p) {
     double survival = (double)sagi_spectrum_max(p->weight) * p->eta2;
     if (p->dispersed) survival /= 4; // one wavelength stands for four
     if (!(survival < 1) || p->depth < 2) return true;
@@ -88,5 +92,5 @@ bool sagi_path_step(sagi_wave *wave, sagi_path *p, sagi_meeting *m, sag_ray *ray
     p->from.normal = m->bsdf.wo.z < 0 ? sag_neg(m->bsdf.n) : m->bsdf.n;
     p->from.reflects_only = m->bsdf.kind != SAG_MATERIAL_DIELECTRIC;
     if (!m->bsdf.specular) add_light(wave, p, m);
-    return scatter(p, m, ray) && survives(p);
+    return scatter(render, p, m, ray) && sagi_path_survives(p);
 }

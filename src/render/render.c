@@ -44,7 +44,8 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     sag_status status = sag_scene_commit(world->scene, error);
     if (status != SAG_OK) return status;
     render->scene = world->scene;
-    render->see_through = sees_through(world);
+    render->has_media = render->settings.integrator == SAG_INTEGRATOR_VOLPATH && world->media.count > 0;
+    render->see_through = render->has_media || sees_through(world);
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = sagi_clock_seconds() - start;

@@ -12,7 +12,7 @@ static void add_ambient_occlusion(sagi_wave *wave, sagi_path *path, const sagi_m
     sample.wi = sag_madd(sag_madd(sag_scale(s, local.x), local.y, t), local.z, n);
     // Below the true surface (the shading normal leans over): not visible.
     if (!(sag_dot(sample.wi, bsdf->geometric) * bsdf->wo_side > 0)) return;
-    sagi_wave_add_light(wave, path, &meeting->surface, &sample, sagi_spectrum_all(1));
+    sagi_wave_add_light(wave, path, &meeting->surface, 0, &sample, sagi_spectrum_all(1));
 }
 
 static sag_rgb normal_color(const sagi_bsdf *bsdf) {
@@ -47,6 +47,7 @@ void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
             sagi_material_albedo(wave->render->world, meeting->appearance, surface, &wave->render->footprint);
         break;
     case SAG_INTEGRATOR_PATH:
-    case SAG_INTEGRATOR_DIRECT: break;
+    case SAG_INTEGRATOR_DIRECT:
+    case SAG_INTEGRATOR_VOLPATH: break;
     }
 }

@@ -4,6 +4,7 @@
 // without them take the short way.
 #include "job.h"
 #include "math/hash.h"
+#include "medium.h"
 
 // A number in [0, 1) of the ray, as good as random: so that what is half there is there for half of the rays,
 // the same ones however often and in whatever order they are traced.
@@ -21,15 +22,27 @@ static bool is_opaque(const sag_world *world, const sag_input *alpha, const sag_
     return value >= 1 || (value > 0 && number_of(ray) < value);
 }
 
-static bool is_there(const sag_world *world, const sagi_appearance *appearance, const sag_surface *surface,
-                     const sag_ray *ray) {
-    if (!appearance) return true;
+// What a ray finds at a hit.
+typedef enum presence { NOTHING, INTERFACE, SURFACE } presence;
+
+static presence presence_at(const sag_world *world, const sagi_appearance *appearance,
+                            const sag_surface *surface, const sag_ray *ray) {
+    if (!appearance) return SURFACE;
     const sag_input *alpha = &appearance->look.alpha;
-    if (alpha->texture != 0 && !is_opaque(world, alpha, surface, ray)) return false;
+    if (alpha->texture != 0 && !is_opaque(world, alpha, surface, ray)) return NOTHING;
     uint32_t id = appearance->look.material;
-    if (id == 0) return true;
+    if (id == 0) return SURFACE;
     const sagi_material *material = (const sagi_material *)world->materials.items + (id - 1);
-    return material->material.kind != SAG_MATERIAL_INTERFACE;
+    return material->material.kind == SAG_MATERIAL_INTERFACE ? INTERFACE : SURFACE;
+}
+
+// Where a ray goes on through what is no surface: into the medium behind, if it is an interface.
+static void pass(const sag_render *render, presence found, const sagi_appearance *appearance,
+                 const sag_surface *surface, sag_vec3 direction, uint32_t *medium) {
+    if (!render->has_media || found != INTERFACE) return;
+    sag_surface oriented = *surface;
+    sagi_orient(appearance, &oriented);
+    *medium = sagi_medium_beyond(appearance, &oriented, direction, *medium);
 }
 
 sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
@@ -40,13 +53,16 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
     path->distance += hit->t;
     meeting->hit = hit;
     meeting->appearance = sagi_appearance_of(render->world, surface);
-    if (!render->see_through || is_there(render->world, meeting->appearance, surface, ray)) {
+    const presence found =
+        render->see_through ? presence_at(render->world, meeting->appearance, surface, ray) : SURFACE;
+    if (found == SURFACE) {
         sagi_orient(meeting->appearance, surface);
         sagi_material_evaluate(render->world, meeting->appearance, surface, &render->footprint,
                                sag_neg(ray->direction), path->wavelengths.lambda, &meeting->bsdf);
         return SAGI_COURSE_MEETING;
     }
     if (++path->passed == SAGI_MAX_PASSED) return SAGI_COURSE_AWAY;
+    pass(render, found, meeting->appearance, surface, ray->direction, &path->medium);
     uint32_t mask = ray->mask;
     *ray = sag_spawn_ray(surface, ray->direction);
     ray->mask = mask;
@@ -65,12 +81,14 @@ sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample
 }
 
 sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
-                              const sag_hit *hit) {
+                              const sag_hit *hit, uint32_t *medium) {
     if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
     sag_surface surface;
     sag_surface_at(render->scene, ray, hit, &surface);
-    if (is_there(render->world, sagi_appearance_of(render->world, &surface), &surface, ray))
-        return SAGI_COURSE_MEETING;
+    const sagi_appearance *appearance = sagi_appearance_of(render->world, &surface);
+    const presence found = presence_at(render->world, appearance, &surface, ray);
+    if (found == SURFACE) return SAGI_COURSE_MEETING;
+    pass(render, found, appearance, &surface, ray->direction, medium);
     *ray = sagi_shadow_ray(&surface, sample);
     return SAGI_COURSE_ON;
 }

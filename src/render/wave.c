@@ -53,6 +53,7 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
         *path = (sagi_path){
             .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1, 1}, .eta2 = 1, .exact = true};
         if (wave->firsts) wave->firsts[wave->path_count - 1] = (sagi_first){0};
+        if (render->has_media) path->medium = render->settings.camera_medium;
         sagi_sampler_start_pixel(&path->sampler, x, y);
         wave->active[wave->active_count] = path;
         path->pixel_weight =
@@ -65,16 +66,20 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
     }
 }
 
-void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
+void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from, uint32_t medium,
                          const sagi_light_sample *sample, sagi_spectrum light) {
     light *= path->weight;
     if (wave->samples) wave->samples[wave->shadow_count] = *sample;
-    wave->shadows[wave->shadow_count] = (sagi_shadow){.path = path, .light = light};
+    wave->shadows[wave->shadow_count] = (sagi_shadow){.path = path, .light = light, .medium = medium};
     wave->shadow_rays[wave->shadow_count++] = sagi_shadow_ray(from, sample);
 }
 
 // One step of one path, whose ray has hit or missed. True when it goes on with what is then in *ray.
 static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *hit) {
+    if (path->medium != 0) {
+        const sagi_passage passage = sagi_volume_step(wave, path, ray, hit);
+        if (passage != SAGI_PASSAGE_THROUGH) return passage == SAGI_PASSAGE_SCATTERED;
+    }
     sagi_meeting meeting;
     sagi_course course = sagi_trace(wave->render, path, ray, hit, &meeting);
     if (course == SAGI_COURSE_ON) return true;
@@ -84,6 +89,7 @@ static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *
     switch (wave->render->settings.integrator) {
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT:
+    case SAG_INTEGRATOR_VOLPATH:
         if (!sagi_path_step(wave, path, met, ray)) return false;
         path->distance = 0;
         path->passed = 0;
@@ -140,7 +146,10 @@ static void add_lights_through(sagi_wave *wave) {
         uint32_t kept = 0;
         for (uint32_t i = 0; i < wave->shadow_count; i++) {
             sag_ray ray = wave->shadow_rays[i];
-            sagi_course course = sagi_trace_shadow(wave->render, &wave->samples[i], &ray, &wave->hits[i]);
+            sagi_shadow *shadow = &wave->shadows[i];
+            if (shadow->medium != 0) sagi_volume_dim(wave->render, shadow, &ray, &wave->hits[i]);
+            const sagi_course course =
+                sagi_trace_shadow(wave->render, &wave->samples[i], &ray, &wave->hits[i], &shadow->medium);
             if (course == SAGI_COURSE_AWAY) add_light(&wave->shadows[i]);
             if (course != SAGI_COURSE_ON) continue;
             if (kept != i) wave->samples[kept] = wave->samples[i], wave->shadows[kept] = wave->shadows[i];

@@ -38,6 +38,7 @@ typedef struct sagi_path {
     double distance;         // along this ray, in its directions, up to where it is now
     uint32_t passed;         // surfaces on this ray that are not there
     uint32_t depth;          // bounces so far
+    uint32_t medium;         // around the ray's origin; 0: vacuum, or media are not looked at
     bool exact;              // no surface, a mirror or glass chose this ray: light is counted in full
     bool scattered;          // the path has met a surface that is no mirror or glass
     bool dispersed;          // only the first wavelength is left
@@ -61,6 +62,7 @@ typedef struct sagi_meeting {
 typedef struct sagi_shadow {
     sagi_path *path;
     sagi_spectrum light; // weighted
+    uint32_t medium;     // around the shadow ray's origin
 } sagi_shadow;
 
 // A sample that is no more than the hit of its ray.
@@ -103,7 +105,8 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
 void sagi_wave_follow(sagi_wave *wave);
 // Adds light to a path if the sampled light is seen from the surface: at once, or before the path's next
 // step.
-void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from,
+// step. The shadow ray begins in the path's medium, or in `medium`.
+void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from, uint32_t medium,
                          const sagi_light_sample *sample, sagi_spectrum light);
 
 // The scene's batch query, counted and timed.
@@ -129,11 +132,25 @@ typedef enum sagi_course {
 // What a path's ray comes to at its hit (geometry SAG_INVALID_ID: none); fills *meeting or moves *ray on.
 sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
                        sagi_meeting *meeting);
+// What a medium does to a path on its way to the next surface.
+typedef enum sagi_passage {
+    SAGI_PASSAGE_THROUGH,   // the path comes to the surface
+    SAGI_PASSAGE_SCATTERED, // it goes on from a particle with what is then in *ray
+    SAGI_PASSAGE_END,
+} sagi_passage;
+
+// volume.c: what is in the way of a path's ray up to its hit (t in its directions, which are unit), and of a
+// shadow ray.
+sagi_passage sagi_volume_step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *hit);
+void sagi_volume_dim(const sag_render *render, sagi_shadow *shadow, const sag_ray *ray, const sag_hit *hit);
+// Russian roulette: whether the path goes on.
+bool sagi_path_survives(sagi_path *path);
+
 // The ray that light of this sample takes to the surface, backwards.
 sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample);
-// What this ray comes to at its hit; moves *ray on.
+// What this ray comes to at its hit; moves *ray on, and *medium with it.
 sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
-                              const sag_hit *hit);
+                              const sag_hit *hit, uint32_t *medium);
 
 // The integrators: what happens where a path's ray has met something (NULL: nothing). True when the path goes
 // on with what is then in *ray.

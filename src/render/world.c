@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The world: a scene and what belongs to a picture of it, in growing arrays. Nothing here is in the way of a
 // ray; src/render/render.c prepares what is.
-#include "world.h"
-
 #include "fresnel.h"
+#include "medium.h"
 
 #include <string.h>
 
@@ -61,6 +60,7 @@ void sag_world_destroy(sag_world *world) {
     sagi_list_clear(context, &world->spectra, sizeof(sagi_spectrum_entry));
     sagi_list_clear(context, &world->textures, sizeof(sagi_texture));
     sagi_list_clear(context, &world->materials, sizeof(sagi_material));
+    sagi_list_clear(context, &world->media, sizeof(sagi_medium));
     sagi_list_clear(context, &world->lights, sizeof(sag_light));
     sagi_list_clear(context, &world->appearances, sizeof(sagi_appearance));
     sagi_list_clear(context, &world->objects, sizeof(sagi_world_object));
@@ -177,6 +177,29 @@ uint32_t sag_world_add_material(sag_world *world, const sag_material *material) 
     return (uint32_t)world->materials.count;
 }
 
+static bool read_medium(const sag_world *world, const sag_medium *medium, sagi_medium *made) {
+    const sag_input *inputs[] = {&medium->absorption, &medium->scattering, &medium->emission};
+    for (int i = 0; i < 3; i++)
+        if (inputs[i]->texture || inputs[i]->spectrum > world->spectra.count) return false;
+    return sagi_medium_prepare(world, medium, made);
+}
+
+uint32_t sag_world_add_medium(sag_world *world, const sag_medium *medium) {
+    sagi_medium made;
+    sagi_medium *slot = NULL;
+    if (read_medium(world, medium, &made)) slot = sagi_list_grow(world->context, &world->media, sizeof *slot);
+    if (!slot) return 0;
+    *slot = made;
+    return (uint32_t)++world->media.count;
+}
+
+sag_status sag_world_set_medium(sag_world *world, uint32_t id, const sag_medium *medium) {
+    sagi_medium made;
+    if (id == 0 || id > world->media.count || !read_medium(world, medium, &made)) return SAG_ERROR_ARGUMENT;
+    ((sagi_medium *)world->media.items)[id - 1] = made;
+    return SAG_OK;
+}
+
 uint32_t sag_world_add_light(sag_world *world, const sag_light *light) {
     sag_light *slot = NULL;
     if (light->spectrum <= world->spectra.count)
@@ -225,7 +248,8 @@ static void set_look(const sag_world *world, sagi_appearance *entry, const sag_a
 sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                     const sag_appearance *appearance) {
     if (appearance->material > world->materials.count || appearance->alpha.texture > world->textures.count ||
-        appearance->emission_spectrum > world->spectra.count)
+        appearance->emission_spectrum > world->spectra.count || appearance->inside > world->media.count ||
+        appearance->outside > world->media.count)
         return SAG_ERROR_ARGUMENT;
     uint32_t *const latest = latest_of(world, scene);
     if (!latest) return SAG_ERROR_ARGUMENT;

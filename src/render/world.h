@@ -61,6 +61,7 @@ struct sag_world {
     sagi_list pictures;    // sagi_picture
     sagi_list textures;    // sagi_texture
     sagi_list materials;   // sagi_material
+    sagi_list media;       // sagi_medium
     sagi_list lights;      // sag_light
     sagi_list appearances; // sagi_appearance
     sagi_list objects;     // sagi_world_object

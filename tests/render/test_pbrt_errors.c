@@ -18,7 +18,8 @@
 
 #include "support/scene_text.h"
 
-#define W "WorldBegin\n"
+#define W   "WorldBegin\n"
+#define FOG "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" "
 
 static void test_errors_have_their_place(void **state) {
     (void)state;
@@ -57,8 +58,10 @@ static void test_errors_have_their_place(void **state) {
     scene_fails(W "WorldEnd", 2, 1, "unknown directive WorldEnd: a pbrt-v4 scene ends with its file");
     scene_fails(W "Shape \"sphere\" \"color radius\" 1", 2, 16,
                 "unknown parameter type \"color\": pbrt-v4 calls");
-    scene_fails(W "MakeNamedMedium \"m\" MakeNamedMedium \"m\"", 2, 21, "a medium \"m\" already");
+    scene_fails(W FOG FOG, 2, 49, "a medium \"m\" already");
     scene_fails(W "MediumInterface \"fog\" \"\"", 2, 1, "never made");
+    scene_fails(W "MakeNamedMedium \"m\"", 2, 1, "\"string type\" is missing");
+    scene_fails(W FOG "\"float g\" 1", 2, 1, "g is in (-1, 1)");
     scene_fails("Option \"speed\" 3", 1, 1, "unknown option \"speed\"");
     scene_fails("Option \"forcediffuse\" 3", 1, 23, "true or false expected");
     scene_fails("Option \"seed\" \"3\"", 1, 15, "an integer expected");
