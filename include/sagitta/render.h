@@ -285,6 +285,8 @@ typedef struct sag_appearance {
     /// Media on the sides; 0: vacuum. Where both are the same the surface does not divide media, and what
     /// surrounds it is on both sides.
     uint32_t inside, outside;
+    bool has_uv;    ///< texture coordinates are by the next, in place of the surface's own u, v ∈ [0, 1]:
+    float uv[4][2]; ///< those at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), and bilinear between
     sag_input
         alpha; ///< with texture ≠ 0: the share of the surface that is there, and of the rays that see it
 } sag_appearance;

@@ -144,8 +144,9 @@ typedef struct sagi_pbrt {
     size_t system_count, system_allocated;
     sagi_medium_name *media;
     size_t medium_count, medium_allocated;
-    int32_t seed;     // Option's
-    sag_scene *scene; // shapes go there: the world's, an object's or a solid's
+    int32_t seed;                // Option's
+    const float (*corner_uv)[2]; // of the patch that is being added; NULL: none
+    sag_scene *scene;            // shapes go there: the world's, an object's or a solid's
     bool in_object;
     sagi_solid_reader solid;
     struct sagi_waiting *waiting; // pbrt_later.c

@@ -197,16 +197,19 @@ sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p) {
     const double *indices;
     size_t count;
     sag_status status = read_arrays(p, 4, &data, &indices, &count);
-    if (status == SAG_OK && (data.normals || data.texcoords))
+    if (status == SAG_OK && data.normals)
         sagi_pbrt_warn_once(p, p->params.place, "bilinearmesh",
-                            "Shape \"bilinearmesh\": \"N\" and \"uv\" are not supported");
+                            "Shape \"bilinearmesh\": \"N\" is not supported");
     sagi_pbrt_ignore(p, "emissionfilename", "is not supported");
     sagi_pbrt_ignore(p, "faceIndices", NULL);
     for (size_t i = 0; status == SAG_OK && i < (count ? count : 4); i += 4) {
         sag_vec3 corners[4];
+        float uv[4][2];
         for (size_t k = 0; k < 4; k++) {
-            const double *q = data.positions_f64 + 3 * (count ? (size_t)indices[i + k] : k);
+            const size_t index = count ? (size_t)indices[i + k] : k;
+            const double *q = data.positions_f64 + 3 * index;
             corners[k] = sag_vec3_make(q[0], q[1], q[2]);
+            if (data.texcoords) memcpy(uv[k], data.texcoords + 2 * index, sizeof uv[k]);
         }
         const sag_bilinear_patch patch = {corners[0], corners[1], corners[2], corners[3]};
         sag_error reason = {0};
@@ -219,9 +222,11 @@ sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p) {
         const sag_bilinear_patch placed = {
             sag_affine_point(&p->state.ctm, corners[0]), sag_affine_point(&p->state.ctm, corners[1]),
             sag_affine_point(&p->state.ctm, corners[2]), sag_affine_point(&p->state.ctm, corners[3])};
+        p->corner_uv = data.texcoords ? &uv[0] : NULL;
         status = sagi_pbrt_add(p, SAG_SHAPE_BILINEAR_PATCH, &patch,
                                p->state.area_light.power > 0 ? sag_bilinear_patch_area(&placed) : 0,
                                &p->state.ctm);
+        p->corner_uv = NULL;
     }
     sagi_mesh_data_clear(&data);
     return status;

@@ -53,6 +53,7 @@ static sag_appearance look_of(sagi_pbrt *p, double area) {
     sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
     if (p->state.inside) look.inside = p->media[p->state.inside - 1].id;
     if (p->state.outside) look.outside = p->media[p->state.outside - 1].id;
+    if (p->corner_uv) look.has_uv = true, memcpy(look.uv, p->corner_uv, sizeof look.uv);
     look.alpha = sagi_pbrt_float_input(p, "alpha", 1);
     if (look.alpha.texture == 0 && look.alpha.value.r < 1) {
         const sag_texture constant = {.kind = SAG_TEXTURE_CONSTANT, .is_number = true, .a = look.alpha};

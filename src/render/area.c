@@ -195,6 +195,7 @@ bool sagi_area_sample(const sagi_areas *areas, uint32_t index, const sagi_shadin
     } else if (!sample_by_area(areas, index, from, u, surface, wi, pdf)) {
         return false;
     }
+    sagi_replace_texcoords(sagi_area_appearance(areas, index), surface);
     sagi_orient(sagi_area_appearance(areas, index), surface);
     return fabs(sag_dot(*wi, surface->geometric_normal)) > 0;
 }

@@ -53,6 +53,7 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
     path->distance += hit->t;
     meeting->hit = hit;
     meeting->appearance = sagi_appearance_of(render->world, surface);
+    sagi_replace_texcoords(meeting->appearance, surface);
     const presence found =
         render->see_through ? presence_at(render->world, meeting->appearance, surface, ray) : SURFACE;
     if (found == SURFACE) {
@@ -86,6 +87,7 @@ sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample 
     sag_surface surface;
     sag_surface_at(render->scene, ray, hit, &surface);
     const sagi_appearance *appearance = sagi_appearance_of(render->world, &surface);
+    sagi_replace_texcoords(appearance, &surface);
     const presence found = presence_at(render->world, appearance, &surface, ray);
     if (found == SURFACE) return SAGI_COURSE_MEETING;
     pass(render, found, appearance, &surface, ray->direction, medium);

@@ -377,12 +377,44 @@ static void test_showcase(void **state) {
     sag_world_destroy(world);
 }
 
+// Texture coordinates at the corners of patches stand in for their own, with the partial derivatives that
+// belong to them.
+static void test_corner_uv(void **state) {
+    (void)state;
+    sag_world *world = scene_load_good(W "Translate 5 0 0 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 "
+                                         "3 0 2 3 1 9 9 9] \"integer indices\" "
+                                         "[0 1 2 3] \"point2 uv\" [3 1 3 5 1 1 1.5 5 7 7]");
+    assert_int_equal(scene_warning_count, 0);
+    const double step = 1e-6;
+    sag_surface s[3];
+    for (int i = 0; i < 3; i++) {
+        const sag_ray ray = sag_ray_make(sag_vec3_make(6.3 + (i == 1) * step, 1.2 + (i == 2) * step, 5),
+                                         sag_vec3_make(0, 0, -1));
+        sag_hit hit;
+        assert_true(sag_intersect(sag_world_scene(world), &ray, &hit));
+        sag_surface_at(sag_world_scene(world), &ray, &hit, &s[i]);
+        sagi_replace_texcoords(sagi_appearance_of(world, &s[i]), &s[i]);
+    }
+    // The patch's own coordinates are x/2 and y/3.
+    const double u = 0.65, v = 0.4;
+    scene_near(s[0].u, (1 - v) * 3 + v * ((1 - u) * 1 + u * 1.5));
+    scene_near(s[0].v, (1 - u) * 1 + u * 5);
+    for (int i = 1; i < 3; i++) { // p moves by as much as (s, t) say
+        const double ds = s[i].u - s[0].u, dt = s[i].v - s[0].v;
+        const sag_vec3 moved = sag_add(sag_scale(s[0].dpdu, ds), sag_scale(s[0].dpdv, dt));
+        const sag_vec3 wanted = sag_sub(s[i].position, s[0].position);
+        assert_true(sag_length(sag_sub(moved, wanted)) < 1e-5 * step);
+    }
+    sag_world_destroy(world);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_transforms),
         cmocka_unit_test(test_settings),
         cmocka_unit_test(test_shapes),
         cmocka_unit_test(test_surface),
+        cmocka_unit_test(test_corner_uv),
         cmocka_unit_test(test_mirrored_meshes_keep_their_front),
         cmocka_unit_test(test_objects_and_attributes),
         cmocka_unit_test(test_lights_and_materials),
