@@ -277,8 +277,8 @@ SAGI_INLINE bool walk(question asked, level *here) {
     uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     stack waits = {begin, child, 0};
     waiting next = {0, 0}; // the root
+    slabs r = slabs_of(&here->tree_ray);
     for (;;) {
-        const slabs r = slabs_of(&here->tree_ray);
         const float limit = here->limit;
         while ((next.child & SAGI_BVH_LEAF) == 0)
             if (!step(asked, &tree->nodes[next.child], &r, limit, &waits, &next) &&
@@ -286,6 +286,7 @@ SAGI_INLINE bool walk(question asked, level *here) {
                 goto end;
         if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
+        r = slabs_of(&here->tree_ray); // anew, so that it need not be kept meanwhile
     }
 end:
     if (asked == CLOSEST && here->candidate_count > 0) settle(here);

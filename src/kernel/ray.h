@@ -225,13 +225,33 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
     return true;
 }
 
-// The quick way where it is allowed, else the careful one. (The reciprocals are those of d itself, so that
-// they need not wait for its exponent; powers of two change no bit.)
-SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+// What the quick way does, for directions of which 2^(exponent − 1) ≤ max|dᵢ| < 2^exponent. (The reciprocals
+// are those of d itself, so that they need not wait for its exponent; powers of two change no bit.)
+SAGI_INLINE void take_quick_way(const sagi_world *world, const sag_ray *ray, sagi_d4 q, sagi_d4 d, sagi_f4 p,
+                                sagi_f4 raw, int exponent, double spread, sagi_float_ray *out) {
+    const double unit = power_of_two(exponent) * world->scale, down = power_of_two(-exponent);
+    const float up = (float)power_of_two(exponent);
+    const sagi_f4 inverse = 1 / raw;
+    sagi_w4 sign = (sagi_w4)raw & INT32_MIN;
+    sagi_f4 wide = (sagi_f4)((sagi_w4)p & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
+    wide = (sagi_f4)((sagi_w4)wide | sign);
+    out->near_scale = inverse * (up * (1 - 0x1p-21F)), out->far_scale = inverse * (up * (1 + 0x1p-21F));
+    out->near_add = -(p + wide) * out->near_scale, out->far_add = (wide - p) * out->far_scale;
+    out->planes = sagi_planes[sagi_d4_signs(d) & 7];
+    out->p = q, out->d = d * sagi_d4_fill(down), out->direction = raw * (float)down;
+    double first = ray->t_min * unit, last = ray->t_max * unit;
+    out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
+    out->t_min = first, out->from = (float)greater(first * (1 - 0x1p-22), 0);
+    out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
+    out->error = 0x1p-43 + spread;
+}
+
+// Any direction, any spread: the quick way where it is allowed, else the careful one.
+static __attribute__((noinline)) bool make_unusual(const sagi_world *world, const sag_ray *ray,
+                                                   sagi_float_ray *out) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
     sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
-    sagi_f4 raw = sagi_d4_to_f4(d), inverse = 1 / raw;
     double largest = largest_of_three(size), spread = 0;
     sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
     if (world->has_spread)
@@ -244,24 +264,31 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
         double value;
         uint64_t bits;
     } u = {.value = largest};
-    int exponent = (int)(u.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
-    double unit = power_of_two(exponent) * world->scale, down = power_of_two(-exponent);
-    if (!(ray->t_min * unit >= -0x1p-44 && ray->t_max >= 0)) return make_carefully(world, ray, out);
-    float up = (float)power_of_two(exponent);
-    out->p = q, out->d = d * sagi_d4_fill(down);
-    sagi_f4 p = sagi_d4_to_f4(q);
-    sagi_w4 sign = (sagi_w4)raw & INT32_MIN;
-    sagi_f4 wide = (sagi_f4)((sagi_w4)p & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
-    wide = (sagi_f4)((sagi_w4)wide | sign);
-    out->direction = raw * (float)down;
-    out->near_scale = inverse * (up * (1 - 0x1p-21F)), out->far_scale = inverse * (up * (1 + 0x1p-21F));
-    out->near_add = -(p + wide) * out->near_scale, out->far_add = -(p - wide) * out->far_scale;
-    out->planes = sagi_planes[sagi_d4_signs(d) & 7];
-    double first = ray->t_min * unit, last = ray->t_max * unit;
-    out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
-    out->t_min = first, out->from = first > 0 ? (float)(first * (1 - 0x1p-22)) : 0;
-    out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
-    out->error = 0x1p-43 + spread;
+    int exponent = (int)(u.bits >> 52) - 1022;
+    if (!(ray->t_min * power_of_two(exponent) * world->scale >= -0x1p-44 && ray->t_max >= 0))
+        return make_carefully(world, ray, out);
+    take_quick_way(world, ray, q, d, sagi_d4_to_f4(q), sagi_d4_to_f4(d), exponent, spread, out);
+    return true;
+}
+
+// Fills *out; false when the ray certainly misses everything in the tree or is not valid. Mostly max|dᵢ| is
+// in [½, 1) as it comes, no |dᵢ| is below 2⁻³⁹, and nothing in the world has a transform; then there is
+// little to do, and nothing of it in a row. (Rounded to floats, numbers are still ≥ 2⁻³⁹; what rounds to
+// something below 1 is below 1, and what rounds to more than ½ is at least ½.)
+SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+    sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction));
+    sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
+    sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
+    sagi_f4 raw = sagi_d4_to_f4(d), p = sagi_d4_to_f4(q);
+    const sagi_f8 size = sagi_f8_abs(sagi_f8_join(raw, p)); // of d, t_min, q, anything
+    const sagi_f8 most = {1, 1, 1, FLT_MAX, 64, 64, 64, FLT_MAX};
+    const sagi_f8 least = {0x1p-39F, 0x1p-39F, 0x1p-39F, 0, 0, 0, 0, 0};
+    const sagi_i8 fits = sagi_f8_less(size, most) & sagi_f8_at_most(least, size); // no NaN
+    const bool usual = ((sagi_i8_mask(fits) & 0x77) == 0x77) & ((sagi_i8_mask(sagi_f8_above(size, 0.5F)) & 7) != 0) &
+                       !world->has_spread & (ray->t_min <= ray->t_max) &
+                       (ray->t_min * world->scale >= -0x1p-44) & (ray->t_max >= 0);
+    if (__builtin_expect(!usual, 0)) return make_unusual(world, ray, out);
+    take_quick_way(world, ray, q, d, p, raw, 0, 0, out);
     return true;
 }
 

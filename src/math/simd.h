@@ -53,6 +53,9 @@ SAGI_INLINE sagi_d4 sagi_d4_load(const void *p) { // of any alignment
 #define SAGI_D4_SHUFFLE2(a, b, i, j, k, l) __builtin_shuffle(a, b, (sagi_l4){i, j, k, l})
 #endif
 
+SAGI_INLINE sagi_f8 sagi_f8_join(sagi_f4 a, sagi_f4 b) {
+    return (sagi_f8){a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
+}
 SAGI_INLINE sagi_i8 sagi_f8_bits(sagi_f8 a) { return (sagi_i8)a; }
 SAGI_INLINE sagi_f8 sagi_f8_abs(sagi_f8 a) { return (sagi_f8)((sagi_i8)a & INT32_MAX); }
 SAGI_INLINE sagi_d4 sagi_d4_abs(sagi_d4 a) { return (sagi_d4)((sagi_l4)a & INT64_MAX); }
