@@ -169,20 +169,28 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
         sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, f->here.limit);
         SAGI_KERNEL_COUNT(nodes);
         begins[i] = begin;
-        masks[i] = sagi_f8_in_order(begin, end, &leasts[i]);
+        if (asked == ANY)
+            masks[i] = sagi_i8_mask(sagi_f8_at_most(begin, end)); // any child will do as the first
+        else
+            masks[i] = sagi_f8_in_order(begin, end, &leasts[i]);
     }
     // The first is next, or what is on top of the stack; the others go on it.
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_NODE][i];
         const sagi_bvh_node *node = (const sagi_bvh_node *)(const void *)f->at;
         sagi_f8 begin = begins[i];
-        uint32_t least = leasts[i], mask = masks[i], lane = least & 7;
-        uint32_t height = f->height, rest = mask & ~(1U << lane);
+        uint32_t mask = masks[i], lane, near_begin;
+        if (asked == ANY) {
+            lane = (uint32_t)__builtin_ctz(mask | 0x80), near_begin = float_bits(begins[i][lane]);
+        } else {
+            lane = leasts[i] & 7, near_begin = leasts[i] & ~7U;
+        }
+        uint32_t rest = mask & ~(1U << lane);
+        uint32_t height = f->height, near_child = node->child[lane];
         uint32_t top_begin = float_bits(f->begins[height - 1]), top_child = f->children[height - 1];
         sagi_write_lanes(rest, begin, f->begins + height, sagi_i8_load(node->child), f->children + height);
         height += (uint32_t)__builtin_popcount(mask) - 1;
         f->height = height;
-        uint32_t near_begin = least & ~7U, near_child = node->child[lane];
         if (__builtin_expect(height > FLIGHT_STACK, 0))
             go_alone(asked, c, f);
         else

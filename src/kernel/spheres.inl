@@ -14,7 +14,7 @@
 // form; E. Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019).
 //
 // Errors, in grid steps; lengths are Euclidean. v = 2⁻²⁴, g = SAGI_GRID_ERROR. As in triangles.inl oᵢ is off
-// by at most h = 2⁻³ + 2⁻⁸ and |oᵢ| ≤ 2¹⁶; centres lie in 0 … 2¹⁶, so that |Aᵢ| ≤ 2¹⁷, |A| < 2¹⁷·√3 and
+// by at most h = 0.13 and within 2¹⁴ of 0 … 2¹⁶; centres lie in 0 … 2¹⁶, so that |Aᵢ| ≤ 2¹⁷, |A| < 2¹⁷·√3 and
 // v|A| < 0.0136; r < 2¹⁶, and ½ ≤ |d|∞ ≤ 1, so that |d| ≥ ½.
 //     A: each coordinate by g + h + v2¹⁷ < 0.64, so A by 1.11.
 //     d, rounded, is off by v|d|, its direction by v: w and T|d| change by 1.01v|A| each, which makes 1.13.

@@ -6,31 +6,34 @@
 // uncertain go there one by one, and of the certain ones only t, u and v are left to find, for the nearest.
 //
 // Calculation. In the grid's coordinates the ray is o + t' d, with o the point of the ray where it meets the
-// block's box at the earliest (τ = begin), and time counts grid steps: τ = begin + t'·2^-exponent. With A, B,
-// C the corners minus o, and n = (b − a) × (c − a),
-//     m_a = d × A,  m_b = d × B,     e(a,b) = m_a·B,  e(b,c) = m_b·C,  e(c,a) = −m_a·C,
-//     D = d·n,  T = A·n,  t' = T/D,
-// which are the edge functions of triangle_test.c (m_a·A = 0) and the t of triangle_solve.h.
+// block's box at the earliest (τ = begin), and time counts grid steps: τ = begin + t'·2^-exponent. With A the
+// corner a minus o, X = b − a, Z = a − c, n = (b − a) × (c − a) = Z × X and m = d × A,
+//     e(a,b) = m·X,  e(c,a) = m·Z,  D = d·n,  e(b,c) = D − e(a,b) − e(c,a),  T = A·n,  t' = T/D,
+// which are the edge functions of triangle_test.c (d × a · b there, with the corners less o) and the t of
+// triangle_solve.h.
 //
-// Errors, in grid steps. v = 2⁻²⁴, g = SAGI_GRID_ERROR. The ray begins near the block, R = max|oᵢ| ≤ 2¹⁶, and
-// o is off by at most h = 2⁻³ + 2⁻⁸ (sagi_float_ray.error, and its own rounding vR); where that is not so all
-// is uncertain. L = 2¹⁷ exceeds every |Aᵢ|, and |dᵢ| ≤ 1 up to v. E bounds the edges' coordinates
-// (sagi_block.edge); edges of whole numbers are exact but for the corners' own errors.
+// Errors, in grid steps. v = 2⁻²⁴, g = SAGI_GRID_ERROR. The ray begins near the block, −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴,
+// and o is off by at most h = 0.13 (sagi_float_ray.error, ⅛ at most, and its own rounding); where that is not
+// so all is uncertain. L = 2¹⁶ + 2¹⁴ bounds every |Aᵢ|, and |dᵢ| ≤ 1 up to v. E ≤ 2¹⁶ = 0.8L bounds the
+// edges' coordinates (sagi_block.edge); edges of whole numbers are exact but for the corners' own errors, 2g.
 //     Aᵢ is off by σ = g + h + vL < 0.64.
 //     m: two products each off by σ + vL (that of d), and 4vL for roundings:     μ = 2σ + 6.1vL;  |m| ≤ 2L.
-//     e: three products each off by μL + 2Lσ + μσ, and 20vL² for roundings:
-//         ΔE = 12Lσ + 38.3vL² + 3μσ < 8.1L  = B.
+//     e(a,b), e(c,a): three products each off by 4gL + μE + 2gμ, and 16vLE for roundings:
+//         ΔE = 12gL + 3μE + 6gμ + 16vLE < 6.03L + 3.98E = B.
 //     n: each edge is off by 2g, so nᵢ by 8gE + 8g² and 4.1vE² for roundings:   ν = 8.1gE + 4.1vE²;  |n| ≤
-//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b₁. T:
-//     ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b₁|A|₁ + 4E² = b₀.
+//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b₁.
+//     e(b,c): 2ΔE + ΔD, and v(12E² + 18LE) for roundings, which is below 12.03L + 20.84E. It is used times
+//         0.32, with a rounding of that below v(2E² + 4LE): then it is off by less than 3.86L + 6.69E ≤ B.
+//     T: ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b₁|A|₁ + 4E² = b₀.
 // (|A|₁ = Σ|Aᵢ| is a triangle's own: small where a ray leaves the triangle, so that most such rays are
-// certain.) An e beyond ±B has the sign of the true one: two of opposite signs are a certain miss, three of
-// one sign a certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is certain, and for any time
-// x
+// certain.) An e beyond ±B, e(b,c) times 0.32, has the sign of the true one: two of opposite signs are a
+// certain miss, three of one sign a certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is
+// certain, and for any time x
 //     X = sign(D) T − |D| x  is off by at most  b₀ + b₁|x|  (and 5vE²|x| for roundings, which b₁ has room
 //     for),
 // so that beyond that X says for certain on which side of x the hit is. Every hit lies in the block's box,
-// which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±4L first.
+// which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±2¹⁹
+// first.
 
 typedef struct block_answer {
     uint32_t certain, uncertain; // lanes
@@ -60,20 +63,22 @@ SAGI_INLINE f8x3 fill3(sagi_f4 a) {
     return (f8x3){sagi_f8_fill(a[0]), sagi_f8_fill(a[1]), sagi_f8_fill(a[2])};
 }
 
-// The grid's zero, in world units. The numbers have 21 bits: as the last ones of 2⁵² + n they are a double.
+// The grid's zero, in world units. The numbers have 21 bits: as the last ones of a double that begins with
+// 2³² they stand for themselves times 2⁻²⁰.
 SAGI_INLINE sagi_d4 grid_zero(uint64_t base) {
     typedef uint64_t u4 __attribute__((vector_size(32)));
     u4 n = (u4){base, base, base, base} >> (u4){0, SAGI_GRID_BASE_BITS, 2 * SAGI_GRID_BASE_BITS, 63};
-    n = (n & (((uint64_t)1 << SAGI_GRID_BASE_BITS) - 1)) | 0x4330000000000000;
-    return ((sagi_d4)n - sagi_d4_fill(0x1p52)) * sagi_d4_fill(0x1p-20) - sagi_d4_fill(1);
+    n = (n & (((uint64_t)1 << SAGI_GRID_BASE_BITS) - 1)) | 0x41F0000000000000;
+    return (sagi_d4)n - sagi_d4_fill(0x1p32 + 1);
 }
 
 // The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
-// bounds of blocks' tests take for granted: |o| ≤ 2¹⁶, off by 2⁻³ at most.
+// bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
 SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray, float begin, double steps,
                                sagi_d4 *at) {
     *at = ((ray->p + ray->d * sagi_d4_fill((double)begin)) - grid_zero(head->base)) * sagi_d4_fill(steps);
-    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(*at) <= sagi_d4_fill(0x1p16))) & 7) == 7 &&
+    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(*at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
+               7 &&
            ray->error * steps <= 0.125;
 }
 
@@ -86,12 +91,12 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     bool usual = start_on_grid(&block->head, ray, begin, steps, &at);
     f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction);
     f8x3 a = corner(block, 0), b = corner(block, 1), c = corner(block, 2);
-    f8x3 edge1 = sub8(&b, &a), edge2 = sub8(&c, &a);
-    a = sub8(&a, &o), b = sub8(&b, &o), c = sub8(&c, &o);
-    f8x3 ma = cross8(&d, &a), mb = cross8(&d, &b);
-    sagi_f8 ab = dot8(&ma, &b), bc = dot8(&mb, &c), ac = dot8(&ma, &c); // e(c,a) = −ac
-    sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, bc), -ac), most = sagi_f8_max(sagi_f8_max(ab, bc), -ac);
-    const float bound = 8.1F * 0x1p17F;
+    f8x3 x = sub8(&b, &a), z = sub8(&a, &c);
+    a = sub8(&a, &o);
+    f8x3 m = cross8(&d, &a), n = cross8(&z, &x);
+    sagi_f8 ab = dot8(&m, &x), ca = dot8(&m, &z), den = dot8(&d, &n), bc = (den - ab - ca) * 0.32F;
+    sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, ca), bc), most = sagi_f8_max(sagi_f8_max(ab, ca), bc);
+    float edge = (float)(block->head.edge + 1) * 256, bound = 6.03F * 81920 + 3.98F * edge;
     uint32_t there = (1U << block->head.count) - 1;
     if (__builtin_expect(!usual, 0)) {
         answer->certain = answer->inside = answer->back = 0, answer->uncertain = there;
@@ -101,25 +106,24 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     if (hurry && there == 0) return false; // all missed: as often as not
 
     // When.
-    f8x3 n = cross8(&edge1, &edge2);
-    sagi_f8 num = dot8(&a, &n), den = dot8(&d, &n);
+    sagi_f8 num = dot8(&a, &n);
     sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
     sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
     const float range = 0x1p19F;
-    float edge = (float)(block->head.edge + 1) * 256, grid = (float)steps;
+    float grid = (float)steps;
     float b1 = edge * (12.5F + edge * (60 * 0x1p-24F));
     sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
     sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(b1 * (1 / 3.0F)), sagi_f8_fill(4 * edge * edge));
     float first = sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range);
     float last = sagi_float_min((limit - begin) * grid, range);
     float last_certain = sagi_float_min((ray->t_max - begin) * grid, last);
-    sagi_f8 first_error = b0 + b1 * fabsf(first), last_error = b0 + b1 * fabsf(last);
-    sagi_f8 last_certain_error = b0 + b1 * fabsf(last_certain);
-    sagi_f8 from = t - size * first, until = t - size * last, until_certain = t - size * last_certain;
+    sagi_f8 from = t - size * first, first_error = b0 + b1 * fabsf(first);
+    sagi_f8 until = t - size * last, last_error = b0 + b1 * fabsf(last);
+    sagi_i8 beyond = sagi_f8_less(last_error, until) | sagi_f8_less(from, -first_error);
+    until = t - size * last_certain, last_error = b0 + b1 * fabsf(last_certain);
+    sagi_i8 within = sagi_f8_less(until, -last_error) & sagi_f8_less(first_error, from);
     sagi_i8 known = sagi_f8_above(size, 2 * b1),
             inside = sagi_f8_above(least, bound) | sagi_f8_below(most, -bound);
-    sagi_i8 beyond = sagi_f8_less(last_error, until) | sagi_f8_less(from, -first_error);
-    sagi_i8 within = sagi_f8_less(until_certain, -last_certain_error) & sagi_f8_less(first_error, from);
     there &= ~sagi_i8_mask(beyond & known);
     uint32_t certain = there & sagi_i8_mask(inside & within & known);
     answer->certain = certain, answer->uncertain = there & ~certain;
