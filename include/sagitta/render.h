@@ -287,8 +287,10 @@ typedef struct sag_appearance {
     uint32_t inside, outside;
     bool has_uv;    ///< texture coordinates are by the next, in place of the surface's own u, v ∈ [0, 1]:
     float uv[4][2]; ///< those at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), and bilinear between
-    sag_input
-        alpha; ///< with texture ≠ 0: the share of the surface that is there, and of the rays that see it
+    bool square_uv; ///< of meshes without texture coordinates: (0, 0), (1, 0), (1, 1) at a triangle's
+                    ///< corners, as pbrt has them, not (0, 0), (1, 0), (0, 1)
+    /// With texture ≠ 0: the share of the surface that is there, and of the rays that see it.
+    sag_input alpha;
 } sag_appearance;
 
 /// Binds a look to a geometry of one of the world's scenes, in place of an earlier one. It sets the

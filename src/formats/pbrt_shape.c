@@ -50,7 +50,8 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p) {
 
 // Material, alpha and light of the shape being read.
 static sag_appearance look_of(sagi_pbrt *p, double area) {
-    sag_appearance look = {.material = p->state.material, .flip = p->state.reverse_orientation};
+    sag_appearance look = {
+        .material = p->state.material, .flip = p->state.reverse_orientation, .square_uv = true};
     if (p->state.inside) look.inside = p->media[p->state.inside - 1].id;
     if (p->state.outside) look.outside = p->media[p->state.outside - 1].id;
     if (p->corner_uv) look.has_uv = true, memcpy(look.uv, p->corner_uv, sizeof look.uv);

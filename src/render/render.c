@@ -24,6 +24,19 @@ static bool sees_through(const sag_world *world) {
     return false;
 }
 
+// Which meshes take their texture coordinates from their corners.
+static void find_square_uv(sag_world *world) {
+    sagi_appearance *appearances = world->appearances.items;
+    for (size_t i = 0; i < world->appearances.count; i++) {
+        sagi_appearance *a = &appearances[i];
+        sag_shape_kind kind;
+        const void *shape = NULL;
+        a->square_uv = a->look.square_uv &&
+                       sag_geometry_get(a->scene, a->geometry, &kind, &shape) == SAG_OK &&
+                       kind == SAG_SHAPE_MESH && !((const sag_mesh *)shape)->texcoords_f32;
+    }
+}
+
 // A wave for each thread, but no more than there are tiles.
 static sag_status make_waves(sag_render *render, sag_error *error) {
     size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
@@ -46,6 +59,7 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     render->scene = world->scene;
     render->has_media = render->settings.integrator == SAG_INTEGRATOR_VOLPATH && world->media.count > 0;
     render->see_through = render->has_media || sees_through(world);
+    find_square_uv(world);
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = sagi_clock_seconds() - start;

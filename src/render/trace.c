@@ -45,15 +45,26 @@ static void pass(const sag_render *render, presence found, const sagi_appearance
     *medium = sagi_medium_beyond(appearance, &oriented, direction, *medium);
 }
 
+// The surface that a ray has hit, and its look.
+static const sagi_appearance *see(const sag_render *render, const sag_ray *ray, const sag_hit *hit,
+                                  sag_surface *surface) {
+    sag_surface_at(render->scene, ray, hit, surface);
+    const sagi_appearance *appearance = sagi_appearance_of(render->world, surface);
+    sagi_replace_texcoords(appearance, surface);
+    if (appearance && appearance->square_uv) {
+        surface->u += surface->v;
+        surface->dpdv = sag_sub(surface->dpdv, surface->dpdu);
+    }
+    return appearance;
+}
+
 sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
                        sagi_meeting *meeting) {
     if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
     sag_surface *surface = &meeting->surface;
-    sag_surface_at(render->scene, ray, hit, surface);
+    meeting->appearance = see(render, ray, hit, surface);
     path->distance += hit->t;
     meeting->hit = hit;
-    meeting->appearance = sagi_appearance_of(render->world, surface);
-    sagi_replace_texcoords(meeting->appearance, surface);
     const presence found =
         render->see_through ? presence_at(render->world, meeting->appearance, surface, ray) : SURFACE;
     if (found == SURFACE) {
@@ -85,9 +96,7 @@ sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample 
                               const sag_hit *hit, uint32_t *medium) {
     if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
     sag_surface surface;
-    sag_surface_at(render->scene, ray, hit, &surface);
-    const sagi_appearance *appearance = sagi_appearance_of(render->world, &surface);
-    sagi_replace_texcoords(appearance, &surface);
+    const sagi_appearance *appearance = see(render, ray, hit, &surface);
     const presence found = presence_at(render->world, appearance, &surface, ray);
     if (found == SURFACE) return SAGI_COURSE_MEETING;
     pass(render, found, appearance, &surface, ray->direction, medium);

@@ -41,6 +41,7 @@ typedef struct sagi_appearance {
     sag_appearance look;
     sagi_color emission;
     double brightness; // of the emission; 0: it does not shine
+    bool square_uv;    // the look's, and it is such a mesh
     sag_scene *scene;
     uint32_t geometry;
     uint32_t highest;  // id of this scene that had an appearance by then, this one included

@@ -207,6 +207,26 @@ static void shadows_are_as_thick_as_alpha(void **state) {
     assert_true(fabs(seen[1] / seen[0] - 0.7) < 0.02);
 }
 
+// A triangle without texture coordinates of its own.
+static void corners_of_meshes_are_as_in_pbrt(void **state) {
+    (void)state;
+    static const double corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0};
+    static const uint32_t indices[] = {0, 1, 2};
+    const sag_mesh mesh = {
+        .positions_f64 = corners, .triangles = indices, .vertex_count = 3, .triangle_count = 1};
+    for (int square = 0; square < 2; square++) {
+        studio s = studio_open(1);
+        s.settings->integrator = SAG_INTEGRATOR_UV;
+        const sag_vec3 eye = {0.5, 0, 8}, target = {0.5, 0, 0};
+        studio_aim_point(&s, eye, target);
+        const uint32_t triangle = sag_add_mesh(s.scene, &mesh);
+        sag_world_set_appearance(s.world, s.scene, triangle, &(sag_appearance){.square_uv = square});
+        // (x + 1)/2 = u and (y + 1)/2 = v of the square; β = u − v.
+        assert_true(fabs(studio_measure(&s).mean - (square ? 0.75 : 0.25)) < 1e-6);
+        studio_close(&s);
+    }
+}
+
 static void threads_see_the_same_holes(void **state) {
     (void)state;
     sag_image pictures[2];
@@ -235,6 +255,7 @@ int main(void) {
         cmocka_unit_test(bumps_change_the_light),
         cmocka_unit_test(alpha_is_the_share_that_is_there),
         cmocka_unit_test(shadows_are_as_thick_as_alpha),
+        cmocka_unit_test(corners_of_meshes_are_as_in_pbrt),
         cmocka_unit_test(threads_see_the_same_holes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
