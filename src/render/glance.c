@@ -22,19 +22,23 @@ static bool is_usual(const sag_render *render) {
            render->sampler.plan->kind == SAG_SAMPLER_INDEPENDENT;
 }
 
+static inline void add(sag_render *render, const sagi_glance *glance, sag_rgb value) {
+    if (!sagi_pixel_add(glance->pixel, glance->pixel_weight, value, render->max_component))
+        sagi_film_add(render, glance->pixel, glance->sample, glance->pixel_weight, value); // tells of it
+}
+
 // Traces what there is and adds it to the pixels.
 static void finish(sag_render *render, sagi_wave *wave) {
-    const bool depth = render->settings.integrator == SAG_INTEGRATOR_DEPTH;
+    const sag_hit *hit = wave->hits;
+    const sagi_glance *glance = wave->glances, *end = glance + wave->path_count;
     sagi_wave_intersect(wave, wave->rays, wave->path_count);
-    for (uint32_t i = 0; i < wave->path_count; i++) {
-        const sag_hit *hit = &wave->hits[i];
-        sag_rgb value = {0, 0, 0};
-        if (hit->geometry != SAG_INVALID_ID) value = depth ? sagi_rgb_grey(hit->t) : sagi_id_color(hit);
-        const sagi_glance *glance = &wave->glances[i];
-        if (!sagi_pixel_add(glance->pixel, glance->pixel_weight, value, render->max_component))
-            sagi_film_add(render, glance->pixel, glance->sample, glance->pixel_weight, value); // tells of it
-    }
     wave->path_count = 0;
+    if (render->settings.integrator == SAG_INTEGRATOR_DEPTH)
+        for (; glance < end; glance++, hit++)
+            add(render, glance, sagi_rgb_grey(hit->geometry != SAG_INVALID_ID ? hit->t : 0));
+    else
+        for (; glance < end; glance++, hit++)
+            add(render, glance, hit->geometry != SAG_INVALID_ID ? sagi_id_color(hit) : sagi_rgb_grey(0));
 }
 
 // Sample `sample` of each of the pixels of a square. (Loops of constant length are what becomes vectors; the
@@ -53,14 +57,13 @@ static void start_square(const sag_render *render, sagi_wave *wave, uint32_t col
     sagi_pixel *pixel = &render->pixels[(size_t)row * render->width + column];
     sagi_glance *glance = wave->glances + wave->path_count;
     double u[TOGETHER], v[TOGETHER]; // random, times 2³²
-    for (uint32_t i = 0; i < TOGETHER; i++) {
-        const uint32_t x = x0 + i % SIDE, y = y0 + i / SIDE;
-        sampler.key = sagi_sampler_hash(sampler.plan, x, y);
-        const uint64_t random = sagi_sampler_bits(&sampler);
-        u[i] = (double)(int64_t)(random >> 32), v[i] = (double)(int64_t)(random & 0xFFFFFFFFu);
-        glance[i].pixel = pixel + (size_t)(i / SIDE) * render->width + i % SIDE;
-        glance[i].pixel_weight = 1, glance[i].sample = sample;
-    }
+    for (uint32_t j = 0, i = 0; j < SIDE; j++, pixel += render->width)
+        for (uint32_t k = 0; k < SIDE; k++, i++, glance++) {
+            sampler.key = sagi_sampler_hash(sampler.plan, x0 + k, y0 + j);
+            const uint64_t random = sagi_sampler_bits(&sampler);
+            u[i] = (double)(int64_t)(random >> 32), v[i] = (double)(int64_t)(random & 0xFFFFFFFFu);
+            glance->pixel = pixel + k, glance->pixel_weight = 1, glance->sample = sample;
+        }
     double x[TOGETHER], y[TOGETHER], z[TOGETHER], squared[TOGETHER];
     for (int i = 0; i < TOGETHER; i++) {
         const double offset_x = (2 * (u[i] * 0x1p-32) - 1) * radius_x,
