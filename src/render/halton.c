@@ -7,8 +7,10 @@
 //
 // Large bases need a remedy: their first points lie on few lines. Each digit is permuted, by one permutation
 // for all points (randomization by permuted digits) or by one for each value of the digits above (Owen's).
-// Both are hashes: nothing is stored. Tiles differ by their seeds. Dimensions for which the table of primes
-// does not reach are independent numbers: points of such bases are no better.
+// The permutations are the maps d ↦ m d + c modulo the base, m ≠ 0, which is enough for Owen's variance:
+// where two different digits go, as a pair, is uniform (Matoušek, "On the L2-discrepancy for anchored boxes",
+// 1998). m and c are hashed: nothing is stored. Tiles differ by their seeds. Dimensions for which the table
+// of primes does not reach are independent numbers: points of such bases are no better.
 #include "sampler.h"
 
 #define PRIME_COUNT 128u
@@ -69,7 +71,10 @@ double sagi_halton_number(const sagi_sampler *sampler, uint32_t dimension) {
     while (scale > 0x1p-34) {
         const uint64_t rest = index / base;
         const uint32_t digit = (uint32_t)(index - rest * base);
-        const uint32_t permuted = sagi_permute(digit, base, (uint32_t)(sagi_mix(seed + above) >> 32));
+        const uint64_t random = sagi_mix(seed + above);
+        const uint32_t m = 1 + (uint32_t)((random >> 32) * (base - 1) >> 32);
+        const uint32_t c = (uint32_t)((random & 0xFFFFFFFFu) * base >> 32);
+        const uint32_t permuted = (m * digit + c) % base;
         // What names the next digit's permutation: the digits so far, or how many they are.
         above = owen ? above * base + digit + 1 : above + 1;
         scale /= base;

@@ -7,8 +7,10 @@
 #include <stdint.h>
 #include <cmocka.h>
 // clang-format on
+#include "base/cpu.h"
 #include "render/film.h"
 #include "support/picture.h"
+#include <stdlib.h>
 #include <string.h>
 
 // A small scene with a bit of everything, in pixels that do not fill whole tiles.
@@ -131,11 +133,38 @@ static void negative_lobes_keep_what_is_even(void **state) {
     }
 }
 
+// The kernels of every instruction set give the same picture, whatever the sampler.
+static void instruction_sets_change_no_bit(void **state) {
+    (void)state;
+    static const char *const names[] = {"portable", "sse42", "avx2", "avx512", "neon"};
+    for (sag_sampler_kind kind = SAG_SAMPLER_INDEPENDENT; kind <= SAG_SAMPLER_HALTON; kind++) {
+        studio best = studio_open(2);
+        furnish(&best);
+        best.settings->sampler = kind;
+        sag_image expected = studio_render(&best, NULL);
+        for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+            sagi_isa isa;
+            if (!sagi_isa_choose(names[i], &isa)) continue;
+            assert_int_equal(setenv("SAG_ISA", names[i], 1), 0);
+            studio s = studio_open(1);
+            assert_int_equal(unsetenv("SAG_ISA"), 0);
+            assert_string_equal(sag_context_isa(s.context), names[i]);
+            furnish(&s);
+            s.settings->sampler = kind;
+            sag_image image = studio_render(&s, NULL);
+            assert_true(same_picture(&expected, &image));
+            sag_image_clear(s.context, &image);
+            studio_close(&s);
+        }
+        sag_image_clear(best.context, &expected);
+        studio_close(&best);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crop_is_the_cut_of_the_whole),
-        cmocka_unit_test(impossible_films_are_errors),
-        cmocka_unit_test(bright_samples_are_dimmed),
+        cmocka_unit_test(crop_is_the_cut_of_the_whole),     cmocka_unit_test(instruction_sets_change_no_bit),
+        cmocka_unit_test(impossible_films_are_errors),      cmocka_unit_test(bright_samples_are_dimmed),
         cmocka_unit_test(negative_lobes_keep_what_is_even),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
