@@ -177,12 +177,14 @@ typedef struct sag_material {
 // lights
 
 typedef enum sag_light_kind {
-    SAG_LIGHT_POINT,    ///< intensity at `from`
-    SAG_LIGHT_SPOT,     ///< intensity from `from` to `to`, full within cone − delta, nothing beyond cone
-    SAG_LIGHT_DISTANT,  ///< radiance arriving from the direction from − to, on a surface facing it
-    SAG_LIGHT_INFINITE, ///< from all directions: the same radiance, or a picture's
-    SAG_LIGHT_SKY,      ///< radiance changing from `horizon` (and below) to `color` with the height of the
-                        ///< direction (y up); for default scenes
+    SAG_LIGHT_POINT,       ///< intensity at `from`
+    SAG_LIGHT_SPOT,        ///< intensity from `from` to `to`, full within cone − delta, nothing beyond cone
+    SAG_LIGHT_DISTANT,     ///< radiance arriving from the direction from − to, on a surface facing it
+    SAG_LIGHT_INFINITE,    ///< from all directions: the same radiance, or a picture's
+    SAG_LIGHT_GONIOMETRIC, ///< intensity at `from`, times a picture's by the direction
+    SAG_LIGHT_PROJECTION,  ///< intensity at `from`, times a picture's, thrown as from a projector
+    SAG_LIGHT_SKY,         ///< radiance changing from `horizon` (and below) to `color` with the height of the
+                           ///< direction (y up); for default scenes
 } sag_light_kind;
 
 /// A light that is not a geometry (those shine by their sag_appearance).
@@ -194,9 +196,16 @@ typedef struct sag_light {
     sag_rgb horizon;          ///< of the sky
     sag_vec3 from, to;        ///< in the scene's space
     double cone_rad, cone_delta_rad; ///< half angles of the spot; pbrt's coneangle and conedeltaangle
-    sag_image image;     ///< infinite: multiplies `color`, square, in the equal-area octahedral mapping
-                         ///< (Clarberg 2008), as pbrt-v4's; the world takes it over. Empty: constant
-    sag_affine to_world; ///< infinite: places the picture; zero-initialised: the identity
+    /// Multiplies `color`; the world takes it over. Infinite (where it may be empty: constant), goniometric:
+    /// square, in the equal-area octahedral mapping (Clarberg 2008), as pbrt-v4's. Projection: looks along +z
+    /// of the light's space, +x right and +y down, the first row at −y.
+    sag_image image;
+    sag_affine
+        to_world;   ///< turns the picture (its translation does not count); zero-initialised: the identity
+    double fov_rad; ///< projection: of the shorter side; 0 counts as 90°
+    sag_vec3 portal[4]; ///< infinite, with has_portal: only what comes in through this rectangle, to points
+                        ///< that (portal[3] − portal[0]) × (portal[1] − portal[0]) looks away from
+    bool has_portal;
 } sag_light;
 
 // -----------------------------------------------------------------------------------------------------------
@@ -280,8 +289,11 @@ typedef struct sag_appearance {
     sag_rgb emission;  ///< radiance W/(m² sr); not black: the geometry is an area light, on its front
     sag_spectrum_id emission_spectrum; ///< ≠ 0: this times emission_scale, in place of `emission`
     double emission_scale;
-    bool two_sided; ///< emits on both sides
-    bool flip;      ///< the front is the back (pbrt's ReverseOrientation)
+    sag_texture_id emission_texture; ///< ≠ 0: multiplies the emission, over u, v
+    bool emission_over_area; ///< of a mesh or set of spheres: each triangle's (sphere's) emission is divided
+                             ///< by its area, as if it were given in W/sr
+    bool two_sided;          ///< emits on both sides
+    bool flip;               ///< the front is the back (pbrt's ReverseOrientation)
     /// Media on the sides; 0: vacuum. Where both are the same the surface does not divide media, and what
     /// surrounds it is on both sides.
     uint32_t inside, outside;
@@ -289,7 +301,8 @@ typedef struct sag_appearance {
     float uv[4][2]; ///< those at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), and bilinear between
     bool square_uv; ///< of meshes without texture coordinates: (0, 0), (1, 0), (1, 1) at a triangle's
                     ///< corners, as pbrt has them, not (0, 0), (1, 0), (0, 1)
-    /// With texture ≠ 0: the share of the surface that is there, and of the rays that see it.
+    /// With texture ≠ 0: the share of the surface that is there, and of the rays that see it. A shape whose
+    /// alpha is a constant texture of 0 shines all the same: a light that is not seen.
     sag_input alpha;
 } sag_appearance;
 

@@ -48,7 +48,9 @@ typedef struct sagi_area_light {
     bool on, two_sided;
     sag_input radiance;
     double scale;
-    double power; // > 0: the radiance is a colour, the power over the whole shape is this
+    double power;           // > 0: the radiance is a colour, the power of each shape (triangle) is this
+    sag_texture_id picture; // that multiplies it; 0: none
+    double luminance;       // the picture's, on average
 } sagi_area_light;
 
 typedef enum sagi_active { SAGI_ACTIVE_ALL, SAGI_ACTIVE_START, SAGI_ACTIVE_END } sagi_active;

@@ -59,9 +59,7 @@ static bool keep_text(const sagi_pbrt *p, struct sagi_waiting *w, const char *te
     return w->text != NULL;
 }
 
-bool sagi_pbrt_may_wait(const sagi_pbrt *p) {
-    return !p->solid.scene && !(p->state.area_light.on && p->state.area_light.power > 0);
-}
+bool sagi_pbrt_may_wait(const sagi_pbrt *p) { return !p->solid.scene; }
 
 // Puts the triangle that keeps the place into the scene.
 static sag_status add_place_holder(sagi_pbrt *p, struct sagi_waiting *w) {

@@ -11,28 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-// The mesh's area after the transform, for lights given by power.
-static double placed_area(const sagi_pbrt *p, const sagi_mesh_data *mesh) {
-    double area = 0;
-    const sag_affine now = sagi_pbrt_transform_now(p);
-    for (size_t i = 0; i < mesh->triangle_count; i++) {
-        sag_vec3 v[3];
-        for (int k = 0; k < 3; k++) {
-            const size_t at = 3 * (size_t)mesh->triangles[3 * i + (size_t)k];
-            const sag_vec3 q =
-                mesh->positions_f64
-                    ? sag_vec3_make(mesh->positions_f64[at], mesh->positions_f64[at + 1],
-                                    mesh->positions_f64[at + 2])
-                    : sag_vec3_make((double)mesh->positions_f32[at], (double)mesh->positions_f32[at + 1],
-                                    (double)mesh->positions_f32[at + 2]);
-            v[k] = sag_affine_point(&now, q);
-        }
-        const double twice = sag_length(sag_cross(sag_sub(v[1], v[0]), sag_sub(v[2], v[0])));
-        if (isfinite(twice)) area += twice / 2;
-    }
-    return area;
-}
-
 // Tells the listener, adds, and frees.
 static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *name) {
     const sag_mesh mesh = sagi_mesh_data_view(data);
@@ -43,8 +21,7 @@ static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *na
             p, p->params.place,
             "%s: triangles with a vertex that is NaN, infinite or beyond 2^100 are left out: %u of %u",
             p->params.what, dropped, data->triangle_count);
-    const double area = p->state.area_light.power > 0 ? placed_area(p, data) : 0;
-    const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, area, &p->state.ctm);
+    const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, 0, &p->state.ctm);
     sagi_mesh_data_clear(data);
     return status;
 }

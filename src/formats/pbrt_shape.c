@@ -35,11 +35,13 @@ static bool closed(sagi_pbrt *p) {
 
 // ---- placing
 
-// What multiplies an area light's colour: its power is spread over the whole shape.
+// What multiplies an area light's colour: its power is spread over the shape. 0: there is no shape to speak
+// of.
 static double emission_scale(const sagi_pbrt *p, double area) {
     const sagi_area_light *light = &p->state.area_light;
-    if (!(light->power > 0 && area > 0 && isfinite(area))) return light->scale;
-    return light->scale * light->power / (area * PI * (light->two_sided ? 2 : 1));
+    if (!(light->power > 0)) return light->scale;
+    const double whole = area * PI * (light->two_sided ? 2 : 1) * light->luminance;
+    return whole > 0 && isfinite(whole) && isfinite(1 / whole) ? light->scale * light->power / whole : 0;
 }
 
 double sagi_pbrt_area_factor(const sagi_pbrt *p) {
@@ -49,7 +51,7 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p) {
 }
 
 // Material, alpha and light of the shape being read.
-static sag_appearance look_of(sagi_pbrt *p, double area) {
+static sag_appearance look_of(sagi_pbrt *p, sag_shape_kind kind, double area) {
     sag_appearance look = {
         .material = p->state.material, .flip = p->state.reverse_orientation, .square_uv = true};
     if (p->state.inside) look.inside = p->media[p->state.inside - 1].id;
@@ -72,7 +74,15 @@ static sag_appearance look_of(sagi_pbrt *p, double area) {
                             "area lights within objects are not supported: they do not shine");
     } else if (p->state.area_light.on) {
         const sag_input *const radiance = &p->state.area_light.radiance;
-        const double scale = emission_scale(p, area);
+        // As in pbrt a triangle is a light of its own.
+        look.emission_over_area = kind == SAG_SHAPE_MESH && p->state.area_light.power > 0;
+        const double scale = emission_scale(p, look.emission_over_area ? 1 : area);
+        if (p->state.area_light.power > 0 && !(scale > 0))
+            sagi_pbrt_warn_once(
+                p, p->params.place, "light without area",
+                "%s: a light given by its power, without area or with a black picture: it does not shine",
+                p->params.what);
+        look.emission_texture = p->state.area_light.picture;
         look.emission =
             (sag_rgb){radiance->value.r * scale, radiance->value.g * scale, radiance->value.b * scale};
         look.emission_spectrum = radiance->spectrum;
@@ -94,7 +104,7 @@ sag_status sagi_pbrt_add_numbered(sagi_pbrt *p, sag_shape_kind kind, const void 
     const char *const wrong = p->solid.scene ? sagi_pbrt_not_closed(kind, shape) : NULL;
     if (wrong) return sagi_params_fail(&p->params, NULL, "it %s", wrong);
     sag_appearance look = {0};
-    if (!p->options->geometry_only) look = look_of(p, area);
+    if (!p->options->geometry_only) look = look_of(p, kind, area);
     if (p->params.status != SAG_OK) return p->params.status;
     if (p->solid.scene) {
         sagi_pbrt_solid_operand(p);

@@ -32,7 +32,8 @@ sagi_light_bounds sagi_area_bounds(const sagi_areas *areas, uint32_t index) {
     sagi_light_bounds bounds = {
         .axis = {0, 0, 1}, .cos_normals = -1, .two_sided = appearance->look.two_sided};
     if (!(area->density > 0)) return bounds;
-    bounds.intensity = appearance->brightness / area->density;
+    bounds.intensity = appearance->brightness;
+    if (!appearance->look.emission_over_area) bounds.intensity /= area->density;
     if (group->kind == SAGI_AREA_FACET) {
         sagi_facet facet;
         sagi_area_facet(areas, index, &facet);

@@ -247,11 +247,13 @@ static sag_status fill_areas(finder *f) {
     }
     for (uint32_t g = 0; g < areas->groups.count; g++) {
         const sagi_area_group *group = &groups[g];
+        bool usable = false;
         for (uint32_t i = 0; i < group->count; i++) {
             sagi_area *area = &areas->areas[group->first + i];
             *area = (sagi_area){.group = g, .ball = SAG_INVALID_ID};
             const double size = world_area(areas, group, group->first + i);
             if (size > 0 && isfinite(size) && isfinite(1 / size)) area->density = 1 / size;
+            usable |= !(size == 0);
             sagi_ball ball;
             if (group->kind != SAGI_AREA_BALL || !(area->density > 0) ||
                 !sagi_ball_find(group->shape_kind, group->shape, &group->to_world, i, &ball))
@@ -261,6 +263,9 @@ static sag_status fill_areas(finder *f) {
             *slot = ball;
             area->ball = (uint32_t)areas->balls.count++;
         }
+        if (!usable)
+            sag_context_log(f->context, SAG_LOG_WARNING, "geometry %u shines but has no area: left out",
+                            group->geometry);
     }
     return make_slots(areas, f->context) ? SAG_OK : SAG_ERROR_MEMORY;
 }

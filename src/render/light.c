@@ -13,14 +13,6 @@
 
 #include <string.h>
 
-sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface *surface, sag_vec3 wo,
-                            sagi_spectrum lambda) {
-    const sagi_spectrum black = {0, 0, 0, 0};
-    if (!appearance || !(appearance->brightness > 0)) return black;
-    if (!appearance->look.two_sided && !(sag_dot(surface->geometric_normal, wo) > 0)) return black;
-    return sagi_color_at(&appearance->emission, lambda);
-}
-
 double sagi_surface_weight(const sagi_lights *lights, double surface_pdf, double light_pdf) {
     if (!(light_pdf > 0)) return 1;
     switch (lights->strategy) {
@@ -58,18 +50,24 @@ static bool sample_point(const sagi_light *light, const sagi_shading_point *from
     sample->wi = sag_scale(d, 1 / distance);
     double scale = 1 / distance / distance;
     if (light->light.kind == SAG_LIGHT_SPOT) scale *= spot_falloff(light, sag_neg(sample->wi));
-    sample->radiance = sagi_color_at(&light->color, lambda) * (float)scale;
+    const bool picture =
+        light->light.kind == SAG_LIGHT_GONIOMETRIC || light->light.kind == SAG_LIGHT_PROJECTION;
+    sample->radiance = (picture ? sagi_beam_intensity(light, sag_neg(sample->wi), lambda)
+                                : sagi_color_at(&light->color, lambda)) *
+                       (float)scale;
     sample->delta = true;
     sample->target = SAGI_TARGET_POINT;
     sample->point = light->light.from;
-    return scale > 0;
+    return scale > 0 && !sagi_spectrum_is_black(sample->radiance);
 }
 
 static bool sample_light(const sagi_light *light, const sagi_shading_point *from, sagi_spectrum lambda,
                          sag_vec2 u, sagi_light_sample *sample) {
     switch (light->light.kind) {
     case SAG_LIGHT_POINT:
-    case SAG_LIGHT_SPOT: return sample_point(light, from, lambda, sample);
+    case SAG_LIGHT_SPOT:
+    case SAG_LIGHT_GONIOMETRIC:
+    case SAG_LIGHT_PROJECTION: return sample_point(light, from, lambda, sample);
     case SAG_LIGHT_DISTANT:
         sample->wi = light->axis;
         sample->radiance = sagi_color_at(&light->color, lambda);
@@ -81,7 +79,7 @@ static bool sample_light(const sagi_light *light, const sagi_shading_point *from
     }
     if (!sagi_sky_sample(light, from, u, &sample->wi)) return false;
     sample->pdf *= sagi_sky_pdf(light, from, sample->wi);
-    sample->radiance = sagi_sky_radiance(light, sample->wi, lambda);
+    sample->radiance = sagi_sky_radiance(light, from->position, sample->wi, lambda);
     sample->target = SAGI_TARGET_FAR;
     return sample->pdf > 0;
 }
@@ -90,9 +88,12 @@ static bool sample_area(const sagi_lights *lights, uint32_t area, const sagi_sha
                         sagi_spectrum lambda, sag_vec2 u, sagi_light_sample *sample) {
     double pdf;
     if (!sagi_area_sample(&lights->areas, area, from, u, &sample->surface, &sample->wi, &pdf)) return false;
+    const sagi_appearance *appearance = sagi_area_appearance(&lights->areas, area);
+    sample->delta = sagi_alpha_is_nowhere(appearance);
+    const sag_ray last = {.origin = sample->surface.position, .direction = from->position};
+    if (!sample->delta && !sagi_alpha_is_there(appearance, &sample->surface, &last)) return false;
     sample->pdf *= pdf;
-    sample->radiance = sagi_emission(sagi_area_appearance(&lights->areas, area), &sample->surface,
-                                     sag_neg(sample->wi), lambda);
+    sample->radiance = sagi_emission(appearance, &sample->surface, sag_neg(sample->wi), lambda);
     sample->target = SAGI_TARGET_SURFACE;
     return isfinite(sample->pdf) && !sagi_spectrum_is_black(sample->radiance);
 }
@@ -149,8 +150,8 @@ bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *fro
     return sample_area(lights, index - lights->light_count, from, lambda, u, sample);
 }
 
-sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
-                              sagi_spectrum lambda, double surface_pdf) {
+sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 origin,
+                              sag_vec3 wi, sagi_spectrum lambda, double surface_pdf) {
     sagi_spectrum sum = {0, 0, 0, 0};
     for (uint32_t i = 0; i < lights->light_count; i++) {
         const sagi_light *light = &lights->lights[i];
@@ -160,7 +161,7 @@ sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_poin
             double choice = sagi_lights_choice(lights, from, i);
             weight = sagi_surface_weight(lights, surface_pdf, choice * sagi_sky_pdf(light, from, wi));
         }
-        sum += sagi_sky_radiance(light, wi, lambda) * (float)weight;
+        sum += sagi_sky_radiance(light, origin, wi, lambda) * (float)weight;
     }
     return sum;
 }

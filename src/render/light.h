@@ -6,6 +6,7 @@
 
 #include "area.h"
 #include "distribution.h"
+#include "portal.h"
 
 // A light that is not a geometry.
 typedef struct sagi_light {
@@ -15,16 +16,21 @@ typedef struct sagi_light {
     sag_vec3 axis;             // unit; spot: where it looks, distant: where its light comes from
     double cos_cone, cos_full; // spot: of the half angles where light ends and where it is full
     bool chosen;               // it is at infinity, and not black
-    bool placed;               // infinite with a picture: from_world and to_world matter
-    sag_affine from_world;     // the inverse of to_world
-    sagi_alias texels;         // infinite with a picture: by brightness
+    sag_affine from_world;     // with a picture: directions to its space
+    sagi_window_table table;   // infinite with a picture: by brightness
+    sagi_portal portal;        // infinite with a portal; its picture, then, in place of light.image
+    sag_vec2 screen;           // projection: half the picture's sizes at distance 1
+    double mean;               // of the picture of a goniometric light or a projection
+    double solid_angle;        // that the mean is over
 } sagi_light;
 
 // Whether it is at infinity.
 static inline bool sagi_light_is_far(const sagi_light *light) {
     switch (light->light.kind) {
     case SAG_LIGHT_POINT:
-    case SAG_LIGHT_SPOT: return false;
+    case SAG_LIGHT_SPOT:
+    case SAG_LIGHT_GONIOMETRIC:
+    case SAG_LIGHT_PROJECTION: return false;
     case SAG_LIGHT_DISTANT:
     case SAG_LIGHT_INFINITE:
     case SAG_LIGHT_SKY: break;
@@ -65,11 +71,11 @@ void sagi_lights_clear(sagi_lights *lights);
 // Draws a light and a direction. False when it gives nothing.
 bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
                         double choose, sag_vec2 u, sagi_light_sample *sample);
-// Radiance from the unit direction wi where no surface is hit. `from` NULL: as it is (seen by the camera or
-// through a mirror); else weighted, light by light, for a direction that the surface's sampling found with
-// surface_pdf.
-sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 wi,
-                              sagi_spectrum lambda, double surface_pdf);
+// Radiance at `origin` from the unit direction wi where no surface is hit. `from` NULL: as it is (seen by the
+// camera or through a mirror); else weighted, light by light, for a direction that the surface's sampling
+// found with surface_pdf.
+sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 origin,
+                              sag_vec3 wi, sagi_spectrum lambda, double surface_pdf);
 // Chooses a light: its number, and the probability of it. *u in [0, 1) becomes a number to use again.
 bool sagi_lights_choose(const sagi_lights *lights, const sagi_shading_point *from, double *u, uint32_t *index,
                         double *probability);
@@ -88,10 +94,24 @@ sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface
 double sagi_surface_weight(const sagi_lights *lights, double surface_pdf, double light_pdf);
 double sagi_light_weight(const sagi_lights *lights, double surface_pdf, const sagi_light_sample *sample);
 
-// Radiance of an infinite or sky light, and its density; sky.c.
-sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 wi, sagi_spectrum lambda);
+// Radiance of an infinite or sky light at `from`, and its density; sky.c.
+sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 from, sag_vec3 wi, sagi_spectrum lambda);
 double sagi_sky_pdf(const sagi_light *light, const sagi_shading_point *from, sag_vec3 wi);
 bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sag_vec2 u, sag_vec3 *wi);
-sag_status sagi_sky_init(sagi_light *light, const sag_context *context, sag_error *error);
+// `compensated`: what surfaces' sampling finds well enough is left to it.
+sag_status sagi_sky_init(sagi_light *light, const sag_context *context, bool compensated, sag_error *error);
+
+// Lights that shine from a point through a picture; beam.c.
+sag_status sagi_beam_init(sagi_light *light, sag_error *error);
+// Intensity in the unit direction `away` from the light.
+sagi_spectrum sagi_beam_intensity(const sagi_light *light, sag_vec3 away, sagi_spectrum lambda);
+// The light's color times a texel's: light of that colour or, where the light has a spectrum, a filter.
+sagi_spectrum sagi_light_through(const sagi_light *light, sag_rgb texel, sagi_spectrum lambda);
+// Makes from_world of to_world. SAG_ERROR_ARGUMENT for a singular one.
+sag_status sagi_light_place(sagi_light *light, sag_error *error);
+static inline sag_rgb sagi_picture_texel(const sag_image *image, size_t index) {
+    const float *p = image->pixels + index * image->channels;
+    return image->channels < 3 ? sagi_rgb_grey(p[0]) : sagi_rgb(p[0], p[1], p[2]);
+}
 
 #endif

@@ -49,7 +49,23 @@ static sag_status init_light(sagi_light *light, const sag_light *description, co
         light->cos_full = cos(cone - delta);
     }
     light->axis = sag_normalize(description->kind == SAG_LIGHT_DISTANT ? sag_neg(along) : along);
-    return description->kind == SAG_LIGHT_INFINITE ? sagi_sky_init(light, world->context, error) : SAG_OK;
+    if (description->kind == SAG_LIGHT_INFINITE)
+        return sagi_sky_init(light, world->context, world->settings.strategy == SAG_STRATEGY_MIS, error);
+    const bool beam = description->kind == SAG_LIGHT_GONIOMETRIC || description->kind == SAG_LIGHT_PROJECTION;
+    return beam ? sagi_beam_init(light, error) : SAG_OK;
+}
+
+// The least cosine between a projector's axis and a corner, as it is placed.
+static double projection_cosine(const sagi_light *light) {
+    const sag_affine *place = &light->light.to_world;
+    const sag_vec3 axis = sag_normalize(sag_affine_vector(place, sag_vec3_make(0, 0, 1)));
+    double least = 1;
+    for (int i = 0; i < 4; i++) {
+        const sag_vec3 corner = {i & 1 ? light->screen.x : -light->screen.x,
+                                 i & 2 ? light->screen.y : -light->screen.y, 1};
+        least = fmin(least, sag_dot(axis, sag_normalize(sag_affine_vector(place, corner))));
+    }
+    return least;
 }
 
 // What the tree is told of a light; intensity 0 for one at infinity.
@@ -62,6 +78,13 @@ static sagi_light_bounds light_bounds(const sagi_light *light) {
         bounds.axis = light->axis;
         bounds.cos_normals = light->cos_cone;
         bounds.cos_spread = 0.999; // nothing beyond; some room for rounding
+    } else if (light->light.kind == SAG_LIGHT_GONIOMETRIC) {
+        bounds.intensity *= light->mean;
+    } else if (light->light.kind == SAG_LIGHT_PROJECTION) {
+        bounds.intensity *= light->mean;
+        bounds.axis = sag_normalize(sag_affine_vector(&light->light.to_world, sag_vec3_make(0, 0, 1)));
+        bounds.cos_normals = projection_cosine(light);
+        bounds.cos_spread = 0.999;
     }
     return bounds;
 }
@@ -73,6 +96,8 @@ static double light_power(const sagi_light *light, double radius) {
     case SAG_LIGHT_POINT: return 4 * SAGI_RENDER_PI * brightness;
     case SAG_LIGHT_SPOT:
         return 2 * SAGI_RENDER_PI * brightness * (1 - (light->cos_full + light->cos_cone) / 2);
+    case SAG_LIGHT_GONIOMETRIC:
+    case SAG_LIGHT_PROJECTION: return light->solid_angle * light->mean * brightness;
     case SAG_LIGHT_DISTANT: return SAGI_RENDER_PI * radius * radius * brightness;
     case SAG_LIGHT_INFINITE:
     case SAG_LIGHT_SKY: break;
@@ -90,7 +115,8 @@ static double area_power(const sagi_areas *areas, uint32_t index) {
     const double density = areas->areas[index].density;
     if (!(density > 0)) return 0;
     const sagi_appearance *appearance = sagi_area_appearance(areas, index);
-    return SAGI_RENDER_PI * (appearance->look.two_sided ? 2 : 1) * appearance->brightness / density;
+    const double area = appearance->look.emission_over_area ? 1 : 1 / density;
+    return SAGI_RENDER_PI * (appearance->look.two_sided ? 2 : 1) * appearance->brightness * area;
 }
 
 // One table for all lights, by power or alike.
@@ -163,7 +189,10 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
 void sagi_lights_clear(sagi_lights *lights) {
     if (!lights->world) return;
     const sag_context *context = lights->world->context;
-    for (uint32_t i = 0; i < lights->light_count; i++) sagi_alias_clear(&lights->lights[i].texels, context);
+    for (uint32_t i = 0; i < lights->light_count; i++) {
+        sagi_window_table_clear(&lights->lights[i].table, context);
+        sagi_portal_clear(&lights->lights[i].portal, context);
+    }
     sag_release(context, lights->far, lights->light_count * sizeof *lights->far);
     sag_release(context, lights->lights, lights->light_count * sizeof *lights->lights);
     sagi_areas_clear(&lights->areas);

@@ -76,7 +76,7 @@ bool sagi_path_step(sagi_wave *wave, sagi_path *p, sagi_meeting *m, sag_ray *ray
     const sag_render *render = wave->render;
     bool direct = render->settings.integrator == SAG_INTEGRATOR_DIRECT;
     if (!m) {
-        add(p, sagi_lights_far(&render->lights, p->exact ? NULL : &p->from, ray->direction,
+        add(p, sagi_lights_far(&render->lights, p->exact ? NULL : &p->from, ray->origin, ray->direction,
                                p->wavelengths.lambda, p->surface_pdf));
         return false;
     }

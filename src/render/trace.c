@@ -3,24 +3,7 @@
 // on from such a surface as any spawned ray does, so nothing is skipped and nothing is met twice. Scenes
 // without them take the short way.
 #include "job.h"
-#include "math/hash.h"
 #include "medium.h"
-
-// A number in [0, 1) of the ray, as good as random: so that what is half there is there for half of the rays,
-// the same ones however often and in whatever order they are traced.
-static double number_of(const sag_ray *ray) {
-    const sagi_fingerprint origin = sagi_fingerprint_of(ray->origin),
-                           way = sagi_fingerprint_of(ray->direction);
-    return (double)(sagi_mix(origin.part[0] + sagi_mix(way.part[1])) >> 11) * 0x1p-53;
-}
-
-static bool is_opaque(const sag_world *world, const sag_input *alpha, const sag_surface *surface,
-                      const sag_ray *ray) {
-    sagi_spot at;
-    sagi_spot_at(&at, surface);
-    const double value = sagi_input_number(world, alpha, &at);
-    return value >= 1 || (value > 0 && number_of(ray) < value);
-}
 
 // What a ray finds at a hit.
 typedef enum presence { NOTHING, INTERFACE, SURFACE } presence;
@@ -28,8 +11,7 @@ typedef enum presence { NOTHING, INTERFACE, SURFACE } presence;
 static presence presence_at(const sag_world *world, const sagi_appearance *appearance,
                             const sag_surface *surface, const sag_ray *ray) {
     if (!appearance) return SURFACE;
-    const sag_input *alpha = &appearance->look.alpha;
-    if (alpha->texture != 0 && !is_opaque(world, alpha, surface, ray)) return NOTHING;
+    if (!sagi_alpha_is_there(appearance, surface, ray)) return NOTHING;
     uint32_t id = appearance->look.material;
     if (id == 0) return SURFACE;
     const sagi_material *material = (const sagi_material *)world->materials.items + (id - 1);

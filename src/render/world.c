@@ -233,21 +233,15 @@ static sagi_appearance *find_appearance(const sag_world *world, uint32_t latest,
 }
 
 static void set_look(const sag_world *world, sagi_appearance *entry, const sag_appearance *look) {
-    const sagi_spectrum_entry *spectrum = sagi_spectrum_of(world, look->emission_spectrum);
+    entry->world = world;
     entry->look = *look;
-    if (!spectrum) {
-        entry->emission = sagi_color_of_rgb(SAG_COLOR_SRGB, look->emission, SAGI_RGB_ILLUMINANT);
-        entry->brightness = sagi_rgb_mean(look->emission);
-        return;
-    }
-    entry->emission = spectrum->color;
-    entry->emission.scale = (float)((double)spectrum->color.scale * look->emission_scale);
-    entry->brightness = spectrum->brightness * look->emission_scale;
+    sagi_emission_init(world, entry);
 }
 
 sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t geometry,
                                     const sag_appearance *appearance) {
     if (appearance->material > world->materials.count || appearance->alpha.texture > world->textures.count ||
+        appearance->emission_texture > world->textures.count ||
         appearance->emission_spectrum > world->spectra.count || appearance->inside > world->media.count ||
         appearance->outside > world->media.count)
         return SAG_ERROR_ARGUMENT;

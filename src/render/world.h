@@ -38,6 +38,7 @@ typedef struct sagi_material {
 
 // The look of one geometry; its user data is the id.
 typedef struct sagi_appearance {
+    const sag_world *world;
     sag_appearance look;
     sagi_color emission;
     double brightness; // of the emission; 0: it does not shine
@@ -94,6 +95,13 @@ bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appea
 // What the albedo integrator shows: the colour of the surface, without the noise of wavelengths.
 sag_rgb sagi_material_albedo(const sag_world *world, const sagi_appearance *appearance,
                              const sag_surface *surface, const sagi_footprint *footprint);
+
+// The emission of a look made ready, and how bright it is; emission.c.
+void sagi_emission_init(const sag_world *world, sagi_appearance *entry);
+// Whether the surface is there for this ray: where its alpha is below 1, for as many as alpha says. And
+// whether no ray finds any of it, by a constant alpha of 0: if it shines, it does so unseen.
+bool sagi_alpha_is_there(const sagi_appearance *entry, const sag_surface *surface, const sag_ray *ray);
+bool sagi_alpha_is_nowhere(const sagi_appearance *entry);
 
 // The appearance a surface's user data names, or NULL.
 static inline const sagi_appearance *sagi_appearance_of(const sag_world *world, const sag_surface *surface) {

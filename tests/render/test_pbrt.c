@@ -281,8 +281,7 @@ static void test_lights_and_materials(void **state) {
           "Translate 0 1 0 LightSource \"spot\" \"float coneangle\" 40 \"blackbody I\" 5000 \"float power\" "
           "100\n"
           "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"float illuminance\" 3\n"
-          "LightSource \"infinite\" \"rgb L\" [.1 .2 .3] LightSource \"goniometric\" \"string filename\" "
-          "\"x\"\n"
+          "LightSource \"infinite\" \"rgb L\" [.1 .2 .3] LightSource \"goniometric\"\n"
           "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"float scale\" 5 \"bool twosided\" true\n"
           "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float "
           "roughness\" 0.25\n"
@@ -302,10 +301,10 @@ static void test_lights_and_materials(void **state) {
           "\"f\" \"float power\" 1\n"
           "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" MediumInterface \"m\" \"\" MediumInterface "
           "\"m\"\n");
-    // goniometric, mix, coatedconductor, diffusetransmission, measured, hair, subsurface, the unknown power.
+    // goniometric without a picture, mix, coatedconductor, diffusetransmission, measured, hair, subsurface, the unknown power.
     if (scene_warning_count != 8) fail_msg("%d scene_warnings:\n%s", scene_warning_count, scene_warnings);
     assert_non_null(strstr(scene_warnings, "Shape \"disk\": unknown parameter \"power\""));
-    assert_int_equal(world->lights.count, 4);
+    assert_int_equal(world->lights.count, 5);
     const sag_light *lights = world->lights.items;
     assert_true(lights[0].color.b == 6 && lights[0].from.x == 1);
     assert_true(lights[1].from.y == 1 &&
