@@ -213,17 +213,18 @@ uint32_t sagi_area_find(const sagi_areas *areas, const sag_hit *hit, const sag_s
 // about.)
 static double world_area(const sagi_areas *areas, const sagi_area_group *group, uint32_t index) {
     const uint32_t primitive = index - group->first;
-    if (group->kind == SAGI_AREA_PATCH) {
+    sagi_facet facet = {.parallelogram = false};
+    if (group->kind == SAGI_AREA_FACET) sagi_area_facet(areas, index, &facet);
+    const double flat = sag_length(sag_cross(facet.e, facet.f)) * (facet.parallelogram ? 1 : 0.5);
+    if (group->kind == SAGI_AREA_PATCH ||
+        (group->kind == SAGI_AREA_FACET && group->shape_kind != SAG_SHAPE_MESH)) {
         const sag_box3 box = sag_geometry_bounds(group->scene, group->geometry, 0);
-        return sag_box3_is_empty(&box) ? 0 : sagi_area_of_patch(group);
+        if (sag_box3_is_empty(&box)) return 0;
+        return group->kind == SAGI_AREA_PATCH ? sagi_area_of_patch(group) : flat;
     }
     const double area = sag_geometry_area(group->scene, group->geometry, primitive);
     if (group->depth == 0 || !(area > 0)) return area;
-    if (group->kind == SAGI_AREA_FACET) {
-        sagi_facet facet;
-        sagi_area_facet(areas, index, &facet);
-        return sag_length(sag_cross(facet.e, facet.f)) * (facet.parallelogram ? 1 : 0.5);
-    }
+    if (group->kind == SAGI_AREA_FACET) return flat;
     double sum = 0;
     for (int i = 0; i < 16; i++) {
         sag_surface at;

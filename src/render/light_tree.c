@@ -11,6 +11,11 @@
 //     θi' = max(0, ∠(n, −ω) − θb)          the least angle of incidence,
 //     sin θb = r/d                         the half angle that the cluster fills (all directions within it).
 //
+// With these bounds for the cosines alone, clusters near by and at a slant are chosen too often; so what is
+// weighed lies between the bound and the cosine for the middle of the cluster (half way at the light, 15 % of
+// the way at the receiver: the variance of one sample among 1024 lamps then is 0.6 to 0.8 of what it is with
+// the bounds).
+//
 // No angle is needed, only their sines and cosines: cos max(0, x − y) = 1 where cos x > cos y, else
 // cos x cos y + sin x sin y. A beam's light counts in full within its cone (cos θ' is at least FLOOR), or
 // wide spots would be lost behind their planes.
@@ -77,7 +82,8 @@ static sagi_f4 weigh(const sagi_light_node *node, const place *at) {
         (sagi_f4)(~within & (sagi_w4)(sin_w * node->cos_normals - cos_w * node->sin_normals));
     const sagi_f4 cos_least = select(cos_x > cos_b, fill(1), cos_x * cos_b + sin_x * sin_bound);
 
-    sagi_f4 weight = absolute(node->intensity) * greater(cos_least, fill(FLOOR)) /
+    const sagi_f4 cos_out = (cos_least + cos_x) * fill(0.5F);
+    sagi_f4 weight = absolute(node->intensity) * greater(cos_out, fill(FLOOR)) /
                      greater(d2, fill(0.25f) * node->radius * node->radius);
     weight = (sagi_f4)((cos_least > node->cos_spread) & (sagi_w4)weight);
     if (at->facing) {
@@ -85,7 +91,8 @@ static sagi_f4 weigh(const sagi_light_node *node, const place *at) {
         if (!at->front_only) cos_i = absolute(cos_i);
         const sagi_f4 sin_i = sine(cos_i);
         const sagi_f4 most = select(cos_i > cos_b, fill(1), cos_i * cos_b + sin_i * sin_bound);
-        weight *= positive(most);
+        const sagi_f4 cos_in = positive(cos_i) * fill(0.85F) + most * fill(0.15F);
+        weight *= (sagi_f4)((most > fill(0)) & (sagi_w4)cos_in);
     }
     return positive(weight);
 }
