@@ -63,14 +63,24 @@ static sag_status read_stream(const char *path, int descriptor, sagi_file *file,
     return SAG_OK;
 }
 
+// The size that the end of gzip data claims, if there is one member and it is not a lie: memory to begin
+// with.
+static size_t claimed_size(const sagi_file *file, size_t most) {
+    if (file->size < 18) return 0;
+    const uint8_t *p = file->bytes + file->size - 4;
+    const size_t claim = (size_t)p[0] | (size_t)p[1] << 8 | (size_t)p[2] << 16 | (size_t)p[3] << 24;
+    return claim >= file->size && claim < most ? claim + 1 : 0;
+}
+
 // Inflates into b until the data end. Returns zlib's code: Z_STREAM_END when all went well.
-static int inflate_all(z_stream *stream, const uint8_t *bytes, size_t size, buffer *b) {
+static int inflate_all(z_stream *stream, const uint8_t *bytes, size_t size, size_t most, buffer *b) {
     const uint8_t *next = bytes;
     const uint8_t *const end = bytes + size;
     int code = Z_OK;
     for (;;) {
         if (b->size == b->allocated) {
-            if (b->size >= SAGI_MAX_INFLATED_BYTES || !buffer_grow(b)) return Z_MEM_ERROR;
+            if (b->size >= most) return Z_STREAM_ERROR;
+            if (!buffer_grow(b)) return Z_MEM_ERROR;
         }
         const size_t left = (size_t)(end - next), room = b->allocated - b->size;
         stream->next_in = next;
@@ -80,6 +90,7 @@ static int inflate_all(z_stream *stream, const uint8_t *bytes, size_t size, buff
         code = inflate(stream, Z_NO_FLUSH);
         next = stream->next_in;
         b->size = (size_t)(stream->next_out - b->bytes);
+        if (code == Z_STREAM_END && b->size > most) return Z_STREAM_ERROR;
         if (code == Z_STREAM_END) {
             // Another member may follow; anything else behind the end is padding and ignored, as gzip does.
             if (end - next < 2 || next[0] != 0x1f || next[1] != 0x8b) return Z_STREAM_END;
@@ -95,7 +106,14 @@ static sag_status inflate_file(const char *path, sagi_file *file, sag_error *err
     if (inflateInit2(&stream, 15 + 16) != Z_OK)
         return sag_error_set_at(error, SAG_ERROR_MEMORY, path, 0, 0, "out of memory inflating the file");
     buffer b = {.context = file->context};
-    const int code = inflate_all(&stream, file->bytes, file->size, &b);
+    const size_t least = SAGI_MAX_INFLATION < SAGI_MAX_INFLATED_BYTES / (file->size + 1)
+                             ? SAGI_MAX_INFLATION * file->size + SAGI_SMALL_INFLATED_BYTES
+                             : SAGI_MAX_INFLATED_BYTES;
+    const size_t most = least < SAGI_MAX_INFLATED_BYTES ? least : SAGI_MAX_INFLATED_BYTES;
+    b.allocated = claimed_size(file, most);
+    b.bytes = b.allocated ? sag_allocate(b.context, b.allocated) : NULL;
+    if (!b.bytes) b.allocated = 0;
+    const int code = inflate_all(&stream, file->bytes, file->size, most, &b);
     inflateEnd(&stream);
     if (code == Z_STREAM_END) {
         sagi_file whole = {.context = file->context};
@@ -108,6 +126,10 @@ static sag_status inflate_file(const char *path, sagi_file *file, sag_error *err
     if (code == Z_MEM_ERROR)
         return sag_error_set_at(error, SAG_ERROR_MEMORY, path, 0, 0,
                                 "out of memory inflating the file (over %zu bytes)", b.size);
+    if (code == Z_STREAM_ERROR)
+        return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0,
+                                "gzip data of %zu bytes that inflate to more than %zu: no scene does",
+                                file->size, most);
     return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "gzip data %s after %zu bytes",
                             code == Z_BUF_ERROR ? "end too soon" : "are damaged", b.size);
 }

@@ -6,7 +6,11 @@
 #include <sagitta/base.h>
 
 // What a gzip file may inflate to. A few kilobytes can claim terabytes; a scene that large is not meant.
-#define SAGI_MAX_INFLATED_BYTES ((size_t)4 << 30)
+// So is one that is more than a hundred times as large as its file; text and meshes are three to thirty
+// times.
+#define SAGI_MAX_INFLATED_BYTES   ((size_t)4 << 30)
+#define SAGI_MAX_INFLATION        ((size_t)100)
+#define SAGI_SMALL_INFLATED_BYTES ((size_t)64 << 20) // for small files
 
 // Zero-initialised or closed, it holds nothing. A mapped file that another program truncates meanwhile raises
 // SIGBUS, as with every mapping; scenes and meshes are not edited while they are read.

@@ -162,6 +162,9 @@ void sagi_pbrt_warn(sagi_pbrt *p, sagi_place place, const char *format, ...) SAG
 void sagi_pbrt_warn_once(sagi_pbrt *p, sagi_place place, const char *what, const char *format, ...)
     SAG_PRINTF(4, 5);
 sag_status sagi_pbrt_out_of_memory(sagi_pbrt *p);
+// Gives a name its number; an error for one that has one.
+sag_status sagi_pbrt_define(sagi_pbrt *p, sagi_place place, sagi_names *names, const char *name, uint32_t id,
+                            const char *what);
 // Makes room for one more item in an array of the loader. False when memory is short.
 bool sagi_pbrt_reserve(sagi_pbrt *p, void **items, size_t *allocated, size_t count, size_t item_bytes);
 

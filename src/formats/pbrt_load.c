@@ -51,6 +51,14 @@ sag_status sagi_pbrt_out_of_memory(sagi_pbrt *p) {
     return sag_error_set(p->error, SAG_ERROR_MEMORY, "out of memory loading the scene");
 }
 
+sag_status sagi_pbrt_define(sagi_pbrt *p, sagi_place place, sagi_names *names, const char *name, uint32_t id,
+                            const char *what) {
+    const sagi_slice key = {name, strlen(name)};
+    if (sagi_names_get(names, key, NULL))
+        return sagi_place_error(place, p->error, "there is a %s \"%.100s\" already", what, name);
+    return sagi_names_set(names, key, id) ? SAG_OK : sagi_pbrt_out_of_memory(p);
+}
+
 bool sagi_pbrt_reserve(sagi_pbrt *p, void **items, size_t *allocated, size_t count, size_t item_bytes) {
     if (count < *allocated) return true;
     const size_t larger = *allocated ? 2 * *allocated : 16;

@@ -162,8 +162,7 @@ sag_status sagi_pbrt_make_named_material(sagi_pbrt *p, sagi_place place) {
     uint32_t id = 0;
     status = read_material(p, place, kind, &id);
     if (status != SAG_OK) return status;
-    return sagi_names_set(&p->materials, (sagi_slice){name, strlen(name)}, id) ? SAG_OK
-                                                                               : sagi_pbrt_out_of_memory(p);
+    return sagi_pbrt_define(p, place, &p->materials, name, id, "material");
 }
 
 sag_status sagi_pbrt_named_material(sagi_pbrt *p, sagi_place place) {

@@ -8,6 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 
+// More would take years.
+#define MAX_SAMPLES (1 << 24)
+
 #define RADIANS (3.14159265358979323846 / 180)
 
 void sagi_pbrt_default_settings(sagi_pbrt *p) {
@@ -238,7 +241,9 @@ sag_status sagi_pbrt_sampler(sagi_pbrt *p, sagi_place place) {
     }
     samples =
         sagi_params_integer(params, "pixelsamples", (int32_t)(samples > INT32_MAX ? INT32_MAX : samples));
-    if (samples < 1) return sagi_params_fail(params, NULL, "%lld samples in a pixel", (long long)samples);
+    if (samples < 1 || samples > MAX_SAMPLES)
+        return sagi_params_fail(params, NULL, "%lld samples in a pixel: it must be in 1 … %d",
+                                (long long)samples, MAX_SAMPLES);
     settings->samples_per_pixel = (uint32_t)samples;
     settings->seed = (uint64_t)sagi_params_integer(params, "seed", 0);
     read_randomization(params, settings);

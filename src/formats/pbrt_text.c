@@ -73,8 +73,10 @@ sag_status sagi_cursor_next(sagi_cursor *cursor, sagi_token *token, sag_error *e
     }
     if (*p == '"') {
         const char *q = p + 1;
-        for (; q != end && *q != '"' && *q != '\n'; q++)
+        for (; q != end && *q != '"' && *q != '\n' && *q != '\0'; q++)
             if (*q == '\\' && q + 1 != end && q[1] != '\n') q++;
+        if (q != end && *q == '\0')
+            return sagi_place_error((sagi_place){cursor->source, q}, error, "a zero byte in a string");
         if (q == end || *q == '\n')
             return sagi_place_error(token->place, error, "this string has no closing quote");
         token->kind = SAGI_TOKEN_STRING;

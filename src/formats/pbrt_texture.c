@@ -241,6 +241,6 @@ sag_status sagi_pbrt_texture(sagi_pbrt *p, sagi_place place) {
         if (!sag_world_add_texture(p->world, &plain)) return sagi_pbrt_out_of_memory(p);
         return sagi_place_error(place, p->error, "the textures \"%.60s\" is made of nest too deep", name);
     }
-    sagi_names *names = is_color ? &p->spectrum_textures : &p->float_textures;
-    return sagi_names_set(names, (sagi_slice){name, strlen(name)}, id) ? SAG_OK : sagi_pbrt_out_of_memory(p);
+    return sagi_pbrt_define(p, place, is_color ? &p->spectrum_textures : &p->float_textures, name, id,
+                            is_color ? "spectrum texture" : "float texture");
 }

@@ -90,6 +90,19 @@ static void test_errors_have_their_place(void **state) {
     scene_fails("Film \"rgb\" \"integer xresolution\" 100000 " W, 1, 1, "100000×720");
     scene_fails("Film \"rgb\" \"integer xresolution\" 1.5 " W, 1, 34, "not an integer");
     scene_fails("Sampler \"halton\" \"integer pixelsamples\" 0 " W, 1, 1, "0 samples");
+    scene_fails("Sampler \"zsobol\" \"integer pixelsamples\" 1000000000 " W, 1, 1,
+                "1000000000 samples in a pixel");
+    scene_fails("Film \"rgb\" \"integer xresolution\" 0 " W, 1, 1, "0×720");
+    scene_fails("Film \"rgb\" \"integer xresolution\" 1000000 \"integer yresolution\" 1000000 " W, 1, 1,
+                "1000000×");
+    scene_fails(W
+                "Texture \"t\" \"float\" \"constant\" Texture \"t\" \"spectrum\" \"constant\"\nTexture \"t\" "
+                "\"float\" \"constant\"",
+                3, 1, "a float texture \"t\" already");
+    scene_fails(
+        W "MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"m\" \"string type\" "
+          "\"diffuse\"",
+        3, 1, "a material \"m\" already");
     scene_fails("Sampler \"halton\" \"string randomization\" \"fastowen\" " W, 1, 18, "randomization");
     scene_fails("Film \"rgb\" \"float cropwindow\" [ 0.5 0.5 0 1 ] " W, 1, 12, "with pixels between");
     scene_fails("Film \"rgb\" \"integer pixelbounds\" [ 5000 6000 0 9 ] " W, 1, 12, "with pixels between");
@@ -206,6 +219,37 @@ static void test_included_files(void **state) {
     }
     assert_int_equal(scene_load(W "Include \"chain0.pbrt\"", &world, &error), SAG_ERROR_FORMAT);
     assert_non_null(strstr(error.message, "64 deep"));
+    sag_world_destroy(world);
+}
+
+// Bytes that are no text, names without end, and gzip data that would fill the memory: told at once.
+static void test_what_is_no_scene(void **state) {
+    (void)state;
+    sag_world *world;
+    sag_error error;
+    static const char zero[] = "WorldBegin\nShape \"sph\0ere\"";
+    scene_write("zero.pbrt", zero, sizeof zero - 1);
+    world = sag_world_create(scene_context);
+    assert_int_equal(sag_world_load(world, scene_path("zero.pbrt"), &error), SAG_ERROR_FORMAT);
+    assert_true(error.line == 2 && error.column == 11 && strstr(error.message, "zero byte"));
+    sag_world_destroy(world);
+    const size_t length = 1000000;
+    char *text = malloc(length + 64);
+    for (int quoted = 0; quoted < 2; quoted++) {
+        const size_t begin = (size_t)sprintf(text, quoted ? W "Shape \"" : W);
+        memset(text + begin, 'x', length);
+        strcpy(text + begin + length, quoted ? "\"" : "");
+        scene_fails(text, 2, quoted ? 7 : 1, quoted ? "longer than" : "no text");
+    }
+    const size_t zeros = (size_t)96 << 20;
+    gzFile gz = gzopen(scene_path("bomb.pbrt.gz"), "wb9");
+    memset(text, ' ', length);
+    for (size_t done = 0; done < zeros; done += length) gzwrite(gz, text, (unsigned)length);
+    gzclose(gz);
+    free(text);
+    world = sag_world_create(scene_context);
+    assert_int_equal(sag_world_load(world, scene_path("bomb.pbrt.gz"), &error), SAG_ERROR_FORMAT);
+    assert_non_null(strstr(error.message, "inflate to more than"));
     sag_world_destroy(world);
 }
 
@@ -329,9 +373,13 @@ static void test_broken_texts(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_errors_have_their_place), cmocka_unit_test(test_marks_options_and_repetitions),
-        cmocka_unit_test(test_included_files),          cmocka_unit_test(test_deep_nesting),
-        cmocka_unit_test(test_out_of_memory),           cmocka_unit_test(test_broken_texts),
+        cmocka_unit_test(test_errors_have_their_place),
+        cmocka_unit_test(test_marks_options_and_repetitions),
+        cmocka_unit_test(test_what_is_no_scene),
+        cmocka_unit_test(test_included_files),
+        cmocka_unit_test(test_deep_nesting),
+        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_broken_texts),
     };
     return cmocka_run_group_tests(tests, scene_setup, scene_teardown);
 }
