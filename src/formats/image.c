@@ -7,6 +7,7 @@
 
 #include "formats/file.h"
 #include "formats/output.h"
+#include "math/elementary.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,13 +39,13 @@ void sag_image_clear(const sag_context *context, sag_image *image) {
 
 double sag_srgb_encode(double linear) {
     const double x = fabs(linear);
-    const double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+    const double y = x <= 0.0031308 ? 12.92 * x : 1.055 * sagi_pow(x, 1 / 2.4) - 0.055;
     return copysign(y, linear);
 }
 
 double sag_srgb_decode(double encoded) {
     const double x = fabs(encoded);
-    const double y = x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
+    const double y = x <= 0.04045 ? x / 12.92 : sagi_pow((x + 0.055) / 1.055, 2.4);
     return copysign(y, encoded);
 }
 

@@ -5,13 +5,14 @@
 
 #include "formats/file.h"
 #include "formats/image.h"
+#include "math/elementary.h"
 
 #include <math.h>
 
 // Numbers of 16 bits, which were read as linear ones, to what they stand for.
 static void apply_gamma(sag_image *image, double gamma) {
     const size_t n = (size_t)image->width * image->height * image->channels;
-    for (size_t i = 0; i < n; i++) image->pixels[i] = (float)pow((double)image->pixels[i], gamma);
+    for (size_t i = 0; i < n; i++) image->pixels[i] = (float)sagi_pow((double)image->pixels[i], gamma);
 }
 
 static bool is_png(const sagi_image_source *source) { return source->size > 0 && source->bytes[0] == 0x89; }

@@ -3,6 +3,7 @@
 #ifndef SAGI_RENDER_COLOR_H
 #define SAGI_RENDER_COLOR_H
 
+#include "math/elementary.h"
 #include <sagitta/render.h>
 
 #define SAGI_RENDER_PI 3.14159265358979323846
@@ -32,5 +33,11 @@ static inline sag_rgb sagi_rgb_clamp(sag_rgb a) {
     return sagi_rgb(sagi_clamp(a.r, 0, 1), sagi_clamp(a.g, 0, 1), sagi_clamp(a.b, 0, 1));
 }
 static inline double sagi_square(double x) { return x * x; }
+// The same on every machine, exact for powers of 2.
+static inline double sagi_log2(double x) {
+    int exponent;
+    const double significand = frexp(x, &exponent);
+    return exponent + sagi_log(significand) / 0.69314718055994530942;
+}
 
 #endif

@@ -49,9 +49,9 @@ static bool has_extent(const sagi_spot_3d *at) {
 static sagi_spot_2d spherical(const sagi_spot_3d *at) {
     const sag_vec3 p = at->p;
     const double across2 = p.x * p.x + p.y * p.y, across = sqrt(across2), r2 = across2 + p.z * p.z;
-    double phi = atan2(p.y, p.x);
+    double phi = sagi_atan2(p.y, p.x);
     if (phi < 0) phi += 2 * SAGI_RENDER_PI;
-    const double s = atan2(across, p.z) * SAGI_INV_PI, t = phi * (SAGI_INV_PI / 2);
+    const double s = sagi_atan2(across, p.z) * SAGI_INV_PI, t = phi * (SAGI_INV_PI / 2);
     if (!(across2 > 0) || !has_extent(at)) return (sagi_spot_2d){.s = s, .t = t};
     const double a = SAGI_INV_PI / (r2 * across), b = SAGI_INV_PI / 2 / across2;
     const sag_vec3 ds = {p.x * p.z * a, p.y * p.z * a, -across2 * a}, dt = {-p.y * b, p.x * b, 0};
@@ -60,7 +60,8 @@ static sagi_spot_2d spherical(const sagi_spot_3d *at) {
 
 static sagi_spot_2d cylindrical(const sagi_spot_3d *at) {
     const sag_vec3 p = at->p;
-    const double across2 = p.x * p.x + p.y * p.y, s = (SAGI_RENDER_PI + atan2(p.y, p.x)) * (SAGI_INV_PI / 2);
+    const double across2 = p.x * p.x + p.y * p.y,
+                 s = (SAGI_RENDER_PI + sagi_atan2(p.y, p.x)) * (SAGI_INV_PI / 2);
     if (!(across2 > 0) || !has_extent(at)) return (sagi_spot_2d){.s = s, .t = p.z};
     const double b = SAGI_INV_PI / 2 / across2;
     const sag_vec3 ds = {-p.y * b, p.x * b, 0}, dt = {0, 0, 1};

@@ -41,7 +41,7 @@ typedef struct builder {
 } builder;
 
 static double decode(sagi_transfer transfer, double v) {
-    if (transfer.gamma > 0) return pow(v, transfer.gamma);
+    if (transfer.gamma > 0) return sagi_pow(v, transfer.gamma);
     return transfer.encoding == SAG_ENCODING_LINEAR ? v : sag_srgb_decode(v);
 }
 

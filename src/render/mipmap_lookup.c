@@ -124,7 +124,7 @@ static sagi_texel by_square(const sagi_mipmap *m, const sagi_lookup *how, const 
         2 * fmax(fmax(fabs(at->dsdx), fabs(at->dsdy)), fmax(fabs(at->dtdx), fabs(at->dtdy))) * wide(m);
     const uint32_t top = m->level_count - 1;
     double level = 0;
-    if (side >= 2) level = log2(side);
+    if (side >= 2) level = sagi_log2(side);
     if (level >= top) return fetch(m, m->levels[top].first);
     const uint32_t l = (uint32_t)level;
     if (how->filter == SAG_LOOKUP_POINT) return point(m, l, p, how->wrap);
@@ -192,7 +192,7 @@ static sagi_texel by_ellipse(const sagi_mipmap *m, const sagi_lookup *how, const
         const double scale = longer / (shorter * how->max_anisotropy);
         minor.s *= scale, minor.t *= scale, shorter *= scale;
     }
-    const double level = fmax(0, log2(shorter * wide(m)));
+    const double level = fmax(0, sagi_log2(shorter * wide(m)));
     if (level >= m->level_count) return fetch(m, m->levels[m->level_count - 1].first);
     const uint32_t l = (uint32_t)level;
     const float part = (float)(level - l);

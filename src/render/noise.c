@@ -77,7 +77,7 @@ double sagi_noise_2d(double x, double y) { return sagi_noise((sag_vec3){x, y, 0.
 // How many octaves the footprint leaves.
 static double octaves_left(sag_vec3 dpdx, sag_vec3 dpdy, int octaves) {
     const double square = fmax(sag_dot(dpdx, dpdx), sag_dot(dpdy, dpdy));
-    return sagi_clamp(-1 - log2(square) / 2, 0, octaves);
+    return sagi_clamp(-1 - sagi_log2(square) / 2, 0, octaves);
 }
 
 static double smooth_step(double x, double low, double high) {

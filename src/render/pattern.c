@@ -73,7 +73,7 @@ sag_rgb sagi_marble(const sagi_spot_3d *at, double scale, double variation, doub
     const sag_vec3 p = sag_scale(at->p, scale);
     const double noise =
         sagi_noise_fbm(p, sag_scale(at->dpdx, scale), sag_scale(at->dpdy, scale), omega, octaves);
-    const double t = sagi_clamp(0.5 + 0.5 * sin(p.y + variation * noise), 0, 1) * CURVES;
+    const double t = sagi_clamp(0.5 + 0.5 * sagi_sin(p.y + variation * noise), 0, 1) * CURVES;
     const int first = t < CURVES ? (int)t : CURVES - 1;
     return sagi_rgb_scale(bezier(veins + first, t - first), 1.5);
 }

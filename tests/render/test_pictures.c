@@ -121,7 +121,7 @@ static void fill(rng *r, uint8_t *pixels, size_t count, uint32_t channels) {
 static void qoi_comes_back(void **state) {
     (void)state;
     rng r = rng_make(1);
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 100; i++) {
         const uint32_t width = 1 + rng_below(&r, 60), height = 1 + rng_below(&r, 60),
                        channels = i % 2 ? 4 : 3;
         const size_t count = (size_t)width * height;
@@ -148,13 +148,13 @@ static void damaged_qoi_is_an_error(void **state) {
     qoi q = qoi_encode(pixels, 20, 20, 4, 0);
     sag_image image;
     sag_error error;
-    for (size_t size = 4; size < q.size; size++) {
+    for (size_t size = 4; size < q.size; size += 3) {
         write_file(in_folder("b.qoi"), q.bytes, size);
         assert_int_equal(sag_image_read(context, in_folder("b.qoi"), SAG_ENCODING_DEFAULT, &image, &error),
                          SAG_ERROR_FORMAT);
     }
     // Any bytes are a picture or an error.
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < 400; i++) {
         const uint32_t at = 14 + rng_below(&r, (uint32_t)q.size - 14);
         const uint8_t old = q.bytes[at];
         q.bytes[at] = (uint8_t)rng_bits(&r);
