@@ -124,7 +124,7 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         }
         if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
         s->found = false, s->both_sides = false, s->path_length = 0, s->grain = s->reach = 0;
-        s->later = c->later;
+        s->later = c->later, s->known = NULL;
         if (c->doubtful != NULL) s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
         enter(&f->here, c->world, &c->rays[f->ray], s);
         bool over;

@@ -46,7 +46,8 @@ typedef struct search {
     bool both_sides;             // see sagi_kernel
     uint32_t path_length;
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
-    later *later; // of a batch (put_off.inl), else NULL
+    later *later;         // of a batch (put_off.inl), else NULL
+    const sag_hit *known; // the first crossing of a solid's part 0, if it is known, else NULL
 } search;
 
 // A certain hit that waits (triangles.inl, spheres.inl).
@@ -302,7 +303,7 @@ static bool walk_all(level *here) { return walk(ALL, here); }
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
     s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
-    s.later = NULL;
+    s.later = NULL, s.known = NULL;
     level here;
     enter(&here, world, ray, &s);
     if (world->solid != NULL)
@@ -314,7 +315,7 @@ static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit)
 
 static bool occluded(const sagi_world *world, const sag_ray *ray) {
     search s;
-    s.found = false, s.both_sides = false, s.path_length = 0, s.later = NULL;
+    s.found = false, s.both_sides = false, s.path_length = 0, s.later = NULL, s.known = NULL;
     level here;
     enter(&here, world, ray, &s);
     return world->solid != NULL ? search_solid(ANY, &here) : walk(ANY, &here);

@@ -39,7 +39,7 @@ static __attribute__((noinline)) void packet_ask(packet *p, const sagi_bvh_refer
         sag_hit hit;
         search s;
         s.best = &hit, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
-        s.later = NULL;
+        s.later = NULL, s.known = NULL;
         level here;
         enter(&here, p->world, &p->rays[i], &s);
         here.t_max = p->t_max[i / 4][i % 4];

@@ -8,19 +8,18 @@
 //
 //   · The ray begins outside of the mesh's box, so it is out of the mesh and of the solid.
 //   · It does not meet the mesh: then it stays out of it, whatever the cutters do.
-//   · It first meets the mesh at t, and up to there it has not come near a cutter. So all of them are out, t
-//     is the solid's first boundary, and the hit is the mesh's.
+//   · It first meets the mesh at t, at a place where no cutter is. So t is the solid's first boundary, and
+//   the
+//     hit is the mesh's: before it the ray is out of the mesh, whatever the cutters do.
 //
 // The others go the way of single rays (solid.inl), and so do those for which t is not one crossing and
 // alone: as there, the mesh's batch takes note of other crossings within twice the tolerance (search.near),
 // and a packet answers only where hits are that far apart for certain (packet_make). The answers are the same
 // bits, in any order: of two hits sagi_hit_before tells.
 //
-// Near a cutter. Let l = c − o, S = |l| + |t d| + |o|. The line stays out of a ball with
-//     |l|² − (l·d)²/d·d > r²,   and up to t so does the ray with   |l − t d| > r,  (l − t d)·d > 0.
-// All of it is calculated in double to some 2⁻⁴⁸ S², the slope to 2⁻⁴⁸ S|d|, what is in doubt for the
-// coincidence of crossings is 2⁻⁴⁷ S of length, and boxes and balls are off by less than that. We ask for
-// 2⁻³⁶ S² more than r², which pays for everything together.
+// Out of a cutter. With p = o + t d we ask for |c − p|² > r² + 2⁻³⁶ S², S² = |o|² + |t d|² + |c − p|² + r².
+// All of it is calculated in double to some 2⁻⁴⁸ S², what is in doubt for the coincidence of crossings is
+// 2⁻⁴⁷ S of length, and boxes and balls are off by less than that: 2⁻³⁶ pays for everything together.
 
 #define TOGETHER 256
 
@@ -51,21 +50,18 @@ static inline bool begins_outside(const sagi_world *world, const sag_ray *ray) {
     return (sagi_d4_signs((sagi_d4)out) & 7) != 0;
 }
 
-// Whether the ray is far from all cutters up to t for certain.
-static inline bool is_far_from_cutters(const sagi_carved *carved, const sag_ray *ray, double t) {
-    const sag_vec3 o = ray->origin, d = ray->direction;
-    const double a = sag_dot(d, d), oo = sag_dot(o, o);
-    if (!(a > 0x1p-200 && a < 0x1p200 && oo < 0x1p200 && t * t * a < 0x1p200)) return false;
-    const sagi_d4 grain = sagi_d4_fill(0x1p-36), fixed = sagi_d4_fill(4 * (oo + t * t * a)),
-                  aa = sagi_d4_fill(a), x = sagi_d4_fill(d.x), y = sagi_d4_fill(d.y), z = sagi_d4_fill(d.z);
+// Whether the ray is out of all cutters at t for certain.
+static inline bool is_out_of_cutters(const sagi_carved *carved, const sag_ray *ray, double t) {
+    const sag_vec3 o = ray->origin, d = ray->direction, p = sag_madd(o, t, d);
+    const double size = sag_dot(o, o) + t * t * sag_dot(d, d);
+    if (!(size < 0x1p200)) return false;
+    const sagi_d4 grain = sagi_d4_fill(0x1p-36), most = sagi_d4_fill(size), x = sagi_d4_fill(p.x),
+                  y = sagi_d4_fill(p.y), z = sagi_d4_fill(p.z);
     for (uint32_t i = 0; i < carved->four_count; i++) {
         const sagi_carved_four *four = &carved->fours[i];
-        sagi_d4 lx = four->x - sagi_d4_fill(o.x), ly = four->y - sagi_d4_fill(o.y),
-                lz = four->z - sagi_d4_fill(o.z);
-        sagi_d4 b = lx * x + ly * y + lz * z, ll = lx * lx + ly * ly + lz * lz;
-        sagi_d4 far = four->squared + grain * (ll + fixed);
-        sagi_d4 slope = b - sagi_d4_fill(t) * aa, there = ll - sagi_d4_fill(t) * (b + slope);
-        sagi_l4 out = ((ll - far) * aa > b * b) | ((there > far) & (slope > sagi_d4_fill(0)));
+        const sagi_d4 lx = four->x - x, ly = four->y - y, lz = four->z - z;
+        const sagi_d4 away = lx * lx + ly * ly + lz * lz;
+        const sagi_l4 out = away > four->squared + grain * (most + away + four->squared);
         if (sagi_d4_signs((sagi_d4)out) != 15) return false;
     }
     return true;
@@ -81,11 +77,18 @@ static void hand_up(const sag_hit *found, uint32_t geometry, sag_hit *hit) {
     if (hit->geometry == SAG_INVALID_ID || sagi_hit_before(&up, hit)) *hit = up;
 }
 
+// known, or NULL: the ray's first crossing of the mesh, alone, before which it is out of it.
 static __attribute__((noinline)) void ask_solid_alone(const sagi_world *solid, sag_ray *ray, double t_max,
-                                                      uint32_t geometry, sag_hit *hit) {
+                                                      uint32_t geometry, const sag_hit *known, sag_hit *hit) {
     sag_hit found;
+    search s;
+    level here;
     ray->t_max = lesser(t_max, hit->t);
-    if (intersect(solid, ray, &found)) hand_up(&found, geometry, hit);
+    s.best = &found, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
+    s.later = NULL, s.known = known;
+    enter(&here, solid, ray, &s);
+    search_solid(CLOSEST, &here);
+    if (s.found) hand_up(&found, geometry, hit);
 }
 
 // Adds a ray to the batch, or where it cannot be, asks at once. `item`: the solid's instance, if it is one.
@@ -95,8 +98,9 @@ static void add_to_carved(carved_batch *b, const sagi_world *solid, const sagi_i
     *ray = item != NULL && item->place != NULL ? sagi_ray_transform(&item->place->to_object, from) : *from;
     if (!sagi_ray_is_valid(ray)) return;
     const double t_max = ray->t_max;
-    if (!begins_outside(solid->items[solid->carved->geometry].child, ray)) {
-        ask_solid_alone(solid, ray, t_max, geometry, hit);
+    const sag_ray *same = item != NULL && item->place != NULL ? ray : from; // no need to wait for the copy
+    if (!begins_outside(solid->items[solid->carved->geometry].child, same)) {
+        ask_solid_alone(solid, ray, t_max, geometry, NULL, hit);
         return;
     }
     if (t_max < INFINITY) ray->t_max += 0x1p-46 * (fabs(t_max) + reach_of(ray));
@@ -114,12 +118,12 @@ static void trace_carved(carved_batch *b, const sagi_world *solid, sag_hit *hits
     for (uint32_t i = 0; i < b->count; i++) {
         sag_hit *found = &b->hits[i], *hit = &hits[b->number[i]];
         if (found->geometry == SAG_INVALID_ID || (!b->doubtful[i] && found->t > b->t_max[i])) continue;
-        if (b->doubtful[i] || !is_far_from_cutters(carved, &b->rays[i], found->t)) {
-            ask_solid_alone(solid, &b->rays[i], b->t_max[i], b->geometry[i], hit);
-        } else {
-            found->geometry = carved->geometry;
+        found->geometry = carved->geometry;
+        if (b->doubtful[i] || !is_out_of_cutters(carved, &b->rays[i], found->t))
+            ask_solid_alone(solid, &b->rays[i], b->t_max[i], b->geometry[i], b->doubtful[i] ? NULL : found,
+                            hit);
+        else
             hand_up(found, b->geometry[i], hit);
-        }
     }
     b->count = 0;
 }

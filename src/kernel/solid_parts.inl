@@ -100,7 +100,7 @@ static inline void search_below(const solid_walk *w, search *s, sag_hit *hit) {
     const search *above = w->here->search;
     s->best = hit, s->found = false, s->both_sides = true;
     s->repeats.again = false;
-    s->grain = s->reach = 0, s->later = NULL;
+    s->grain = s->reach = 0, s->later = NULL, s->known = NULL;
     s->path_length = above->path_length;
     for (uint32_t i = 0; i < s->path_length; i++) s->path[i] = above->path[i];
 }
@@ -184,7 +184,13 @@ static bool next_of_part(solid_walk *w, uint32_t part, double from, double end, 
 
 static void add_next(solid_walk *w, uint32_t part, double from, bool *inside) {
     sag_hit hit;
-    if (!next_of_part(w, part, from, w->end, inside, &hit)) return;
+    const sag_hit *known = w->here->search->known;
+    if (known != NULL && part == 0 && known->t >= from) {
+        if (known->t > w->end) return;
+        hit = *known, w->near = false; // (a batch has seen to it: solid_batch.inl)
+    } else if (!next_of_part(w, part, from, w->end, inside, &hit)) {
+        return;
+    }
     add_event(w, &(solid_event){.t = hit.t,
                                 .part = part,
                                 .primitive = hit.primitive,

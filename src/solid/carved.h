@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Solids that are one closed mesh with other parts cut out of it, as the kernels' batches read them: where
-// none of the cutters is, the solid is the mesh, and a ray that meets the mesh before it comes near a cutter
-// has met the solid. So most rays can be traced as those of any mesh (kernel/solid_batch.inl).
+// none of the cutters is, the solid is the mesh, and a ray that first meets the mesh at such a place has met
+// the solid. So most rays can be traced as those of any mesh (kernel/solid_batch.inl).
 //
 // A cutter matters within its effective box only (tree.h). Here it is a ball: itself, if it is one, or the
 // ball around its box. (Balls are asked for four at a time.)
