@@ -22,6 +22,7 @@ static inline uint32_t sagi_along(uint32_t i) {
 _Static_assert(SAGI_TILE_SIZE == 16, "sagi_along takes four bits");
 
 struct sag_render {
+    sagi_sensor sensor; // its vectors are the most aligned: first, so that there are no gaps
     sag_world *world;
     sag_context *context;
     const sag_scene *scene;
@@ -32,14 +33,13 @@ struct sag_render {
     sagi_sampler_plan sampler_plan;
     sagi_sampler sampler; // as it stands before the first pixel
     sagi_lights lights;
-    sagi_sensor sensor;
     sagi_wavelength_table wavelengths;
-    bool has_media;   // and they are to be seen
-    bool see_through; // some geometry has alpha or an interface material, or there are media: rays may have
-                      // to go on, or light on them is dimmed
 
     uint32_t width, height, tiles_x, tiles_y; // of what is made of the film
     uint32_t first_x, first_y;                // its first pixel on the film
+    uint32_t wave_count;                      // of threads
+    uint32_t wave_size;                       // paths to a wave: SAGI_WAVE_SIZE, but for tests
+    sagi_wave *waves;                         // one for each thread that takes part
     double max_component;                     // of a sample
     sagi_pixel *pixels;                       // width·height
     sagi_layer_pixel *layers;                 // as many, or NULL when the film asks for none
@@ -47,19 +47,20 @@ struct sag_render {
     atomic_uint_fast64_t rays, camera_samples, bad_samples, thread_ns, traversal_ns;
     atomic_uint_fast64_t first_bad[SAG_BAD_SAMPLES]; // row, column and number, sorted; all ones: none
     double build_seconds, trace_seconds;
-    sagi_wave *waves;    // one for each thread that takes part
-    uint32_t wave_count; // of threads
-    uint32_t wave_size;  // paths to a wave: SAGI_WAVE_SIZE, but for tests
 
     // Of the pass that is running.
-    uint32_t pass_end;       // samples per pixel when it is over
     double run_start;        // clock seconds
     atomic_size_t next_tile; // the first one no thread took yet
     sag_progress_callback progress;
     void *progress_user;
-    atomic_flag reporting; // the lock of the callback and of next_report
     double next_report;
+    uint32_t pass_end;     // samples per pixel when it is over
+    atomic_flag reporting; // the lock of the callback and of next_report
     atomic_bool cancelled;
+
+    bool has_media;   // and they are to be seen
+    bool see_through; // some geometry has alpha or an interface material, or there are media: rays may have
+                      // to go on, or light on them is dimmed
 };
 
 // What of the film is to be made: the first column and row, and the size. SAG_ERROR_ARGUMENT when nothing is

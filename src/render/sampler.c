@@ -132,9 +132,7 @@ void sagi_sampler_start_pixel(sagi_sampler *sampler, uint32_t x, uint32_t y) {
     switch (plan->kind) {
     case SAG_SAMPLER_INDEPENDENT:
     case SAG_SAMPLER_STRATIFIED:
-    case SAG_SAMPLER_PADDED_SOBOL:
-        sampler->key = sagi_sampler_hash(plan, x, y);
-        break;
+    case SAG_SAMPLER_PADDED_SOBOL: sampler->key = sagi_sampler_hash(plan, x, y); break;
     case SAG_SAMPLER_SOBOL:
     case SAG_SAMPLER_ZSOBOL:
         sampler->key = sagi_reverse_bits(spread_bits(y & 0xFFFF) << 1 | spread_bits(x & 0xFFFF));
