@@ -89,6 +89,8 @@ static bool sample_area(const sagi_lights *lights, uint32_t area, const sagi_sha
     double pdf;
     if (!sagi_area_sample(&lights->areas, area, from, u, &sample->surface, &sample->wi, &pdf)) return false;
     const sagi_appearance *appearance = sagi_area_appearance(&lights->areas, area);
+    if (appearance->look.emission_texture || appearance->look.alpha.texture)
+        sagi_replace_texcoords(appearance, &sample->surface);
     sample->delta = sagi_alpha_is_nowhere(appearance);
     const sag_ray last = {.origin = sample->surface.position, .direction = from->position};
     if (!sample->delta && !sagi_alpha_is_there(appearance, &sample->surface, &last)) return false;
@@ -102,8 +104,21 @@ static sagi_light_view view_of(const sagi_shading_point *from) {
     return (sagi_light_view){from->position, from->normal, from->reflects_only};
 }
 
-static double far_share(const sagi_lights *lights) {
-    return lights->far_count / (lights->far_count + (lights->tree.node_count > 0 ? 1.0 : 0.0));
+// Whether a light at infinity may send anything to the point: not from behind, not from within its window's
+// side.
+static bool reaches(const sagi_light *light, const sagi_shading_point *from) {
+    if (light->light.kind == SAG_LIGHT_DISTANT)
+        return !from->reflects_only || sag_dot(from->normal, light->axis) > 0;
+    if (light->light.has_portal)
+        return sag_dot(light->portal.z, sag_sub(light->portal.low, from->position)) > 0;
+    return true;
+}
+
+// How many of them do. Each has one share, and so have all the others together.
+static uint32_t count_far(const sagi_lights *lights, const sagi_shading_point *from) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < lights->far_count; i++) count += reaches(&lights->lights[lights->far[i]], from);
+    return count;
 }
 
 bool sagi_lights_choose(const sagi_lights *lights, const sagi_shading_point *from, double *u, uint32_t *index,
@@ -113,32 +128,33 @@ bool sagi_lights_choose(const sagi_lights *lights, const sagi_shading_point *fro
         *probability = lights->choice.entries[*index].probability;
         return true;
     }
-    double far = 0;
-    if (lights->far_count > 0) {
-        far = far_share(lights);
-        if (*u < far) {
-            const double place = *u / far * lights->far_count;
-            const uint32_t i = place < lights->far_count ? (uint32_t)place : lights->far_count - 1;
-            *u = fmin(place - i, SAGI_ONE_MINUS);
-            *index = lights->far[i];
-            *probability = far / lights->far_count;
-            return true;
-        }
-        *u = fmin((*u - far) / (1 - far), SAGI_ONE_MINUS);
+    const uint32_t far_count = lights->far_count > 0 ? count_far(lights, from) : 0;
+    const uint32_t shares = far_count + (lights->tree.node_count > 0);
+    if (far_count > 0) {
+        const double place = *u * shares;
+        uint32_t chosen = (uint32_t)place < shares ? (uint32_t)place : shares - 1;
+        *u = fmin(place - chosen, SAGI_ONE_MINUS);
+        *probability = 1.0 / shares;
+        for (uint32_t i = 0; chosen < far_count; i++)
+            if (reaches(&lights->lights[lights->far[i]], from) && chosen-- == 0) {
+                *index = lights->far[i];
+                return true;
+            }
     }
     const sagi_light_view view = view_of(from);
     if (!sagi_light_tree_sample(&lights->tree, &view, u, index, probability)) return false;
-    *probability *= 1 - far;
+    *probability /= shares;
     return true;
 }
 
 double sagi_lights_choice(const sagi_lights *lights, const sagi_shading_point *from, uint32_t index) {
     if (lights->choice.count > 0) return lights->choice.entries[index].probability;
-    const double far = lights->far_count > 0 ? far_share(lights) : 0;
+    const double shares =
+        (lights->far_count > 0 ? count_far(lights, from) : 0) + (lights->tree.node_count > 0);
     if (index < lights->light_count && sagi_light_is_far(&lights->lights[index]))
-        return lights->lights[index].chosen ? far / lights->far_count : 0;
+        return lights->lights[index].chosen && reaches(&lights->lights[index], from) ? 1 / shares : 0;
     const sagi_light_view view = view_of(from);
-    return (1 - far) * sagi_light_tree_probability(&lights->tree, &view, index);
+    return sagi_light_tree_probability(&lights->tree, &view, index) / shares;
 }
 
 bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,

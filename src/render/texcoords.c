@@ -6,7 +6,12 @@
 #include "world.h"
 
 void sagi_replace_texcoords(const sagi_appearance *appearance, sag_surface *surface) {
-    if (!appearance || !appearance->look.has_uv) return;
+    if (!appearance) return;
+    if (appearance->square_uv) { // corners at (0, 0), (1, 0), (1, 1)
+        surface->u += surface->v;
+        surface->dpdv = sag_sub(surface->dpdv, surface->dpdu);
+    }
+    if (!appearance->look.has_uv) return;
     const double u = surface->u, v = surface->v;
     double at[2], by_u[2], by_v[2];
     for (int k = 0; k < 2; k++) {

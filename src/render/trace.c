@@ -33,10 +33,6 @@ static const sagi_appearance *see(const sag_render *render, const sag_ray *ray, 
     sag_surface_at(render->scene, ray, hit, surface);
     const sagi_appearance *appearance = sagi_appearance_of(render->world, surface);
     sagi_replace_texcoords(appearance, surface);
-    if (appearance && appearance->square_uv) {
-        surface->u += surface->v;
-        surface->dpdv = sag_sub(surface->dpdv, surface->dpdu);
-    }
     return appearance;
 }
 

@@ -110,7 +110,7 @@ static inline const sagi_appearance *sagi_appearance_of(const sag_world *world, 
     return (const sagi_appearance *)world->appearances.items + (id - 1);
 }
 
-// Gives the surface the texture coordinates that its appearance (or NULL) has instead.
+// Gives the surface the texture coordinates that its appearance (or NULL) has instead: given, or pbrt's.
 void sagi_replace_texcoords(const sagi_appearance *appearance, sag_surface *surface);
 // Turns the normals to the front: the shading normal's side, then the appearance's flip.
 void sagi_orient(const sagi_appearance *appearance, sag_surface *surface);
