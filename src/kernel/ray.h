@@ -284,8 +284,9 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     const sagi_f8 most = {1, 1, 1, FLT_MAX, 64, 64, 64, FLT_MAX};
     const sagi_f8 least = {0x1p-39F, 0x1p-39F, 0x1p-39F, 0, 0, 0, 0, 0};
     const sagi_i8 fits = sagi_f8_less(size, most) & sagi_f8_at_most(least, size); // no NaN
-    const bool usual = ((sagi_i8_mask(fits) & 0x77) == 0x77) &
-                       ((sagi_i8_mask(sagi_f8_above(size, 0.5F)) & 7) != 0) & !world->has_spread &
+    const uint32_t fit = (uint32_t)sagi_i8_mask(fits),
+                   long_enough = (uint32_t)sagi_i8_mask(sagi_f8_above(size, 0.5F));
+    const bool usual = ((fit & 0x77) == 0x77) & ((long_enough & 7) != 0) & !world->has_spread &
                        (ray->t_min <= ray->t_max) & (ray->t_min * world->scale >= -0x1p-44) &
                        (ray->t_max >= 0);
     if (__builtin_expect(!usual, 0)) return make_unusual(world, ray, out);
