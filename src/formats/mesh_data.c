@@ -138,6 +138,25 @@ uint32_t sagi_mesh_data_not_finite(const sagi_mesh_data *mesh) {
     return count;
 }
 
+static sag_vec3 position(const sagi_mesh_data *mesh, uint32_t vertex) {
+    const size_t at = 3 * (size_t)vertex;
+    if (mesh->positions_f64)
+        return sag_vec3_make(mesh->positions_f64[at], mesh->positions_f64[at + 1],
+                             mesh->positions_f64[at + 2]);
+    return sag_vec3_make((double)mesh->positions_f32[at], (double)mesh->positions_f32[at + 1],
+                         (double)mesh->positions_f32[at + 2]);
+}
+
+bool sagi_mesh_data_has_area(const sagi_mesh_data *mesh) {
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *v = &mesh->triangles[3 * i];
+        const sag_vec3 a = position(mesh, v[0]);
+        const sag_vec3 twice = sag_cross(sag_sub(position(mesh, v[1]), a), sag_sub(position(mesh, v[2]), a));
+        if (sag_dot(twice, twice) > 0) return true; // as nearly always the first
+    }
+    return false;
+}
+
 bool sagi_mesh_data_reserve(sagi_mesh_data *mesh, size_t capacity) {
     if (capacity <= mesh->triangle_capacity) return true;
     uint32_t *triangles = sag_allocate(mesh->context, 3 * capacity * sizeof(uint32_t));

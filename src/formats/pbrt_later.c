@@ -36,6 +36,7 @@ struct sagi_waiting {
     uint32_t geometry, object; // object: number + 1; 0: none
     sagi_mesh_text mesh;
     uint32_t dropped, triangle_count;
+    bool shines, has_area;
     sag_picture_id picture;
     sag_status status;
     sag_error *error;
@@ -47,8 +48,10 @@ static struct sagi_waiting *next_waiting(sagi_pbrt *p, waiting_kind kind, sagi_p
         return NULL;
     p->waiting = items;
     struct sagi_waiting *const w = &p->waiting[p->waiting_count];
-    *w = (struct sagi_waiting){
-        .kind = kind, .place = place, .object = p->in_object ? (uint32_t)p->object_count : 0};
+    *w = (struct sagi_waiting){.kind = kind,
+                               .place = place,
+                               .shines = p->state.area_light.on && !p->options->geometry_only,
+                               .object = p->in_object ? (uint32_t)p->object_count : 0};
     return w;
 }
 
@@ -175,6 +178,7 @@ static void take_mesh(const sagi_pbrt *p, struct sagi_waiting *w) {
     sag_error error = {0};
     w->dropped = p->options->on_mesh ? 0 : sagi_mesh_data_not_finite(data);
     w->triangle_count = data->triangle_count;
+    w->has_area = !w->shines || sagi_mesh_data_has_area(data);
     const sag_status status = sag_geometry_set_shape(w->scene, w->geometry, SAG_SHAPE_MESH, &mesh, &error);
     sagi_mesh_data_clear(data);
     if (status != SAG_OK) fail(p, w, status, &error);
@@ -271,8 +275,10 @@ static sag_status finish(sagi_pbrt *p, struct sagi_waiting *w) {
     if (w->status != SAG_OK) return mesh_error(p, w);
     if (w->kind == COMMIT || w->kind == PICTURE) return SAG_OK;
     if (w->object) p->objects[w->object - 1].weight += w->triangle_count - 1;
+    const char *const shape = w->kind == PLY ? "plymesh" : "trianglemesh";
+    const bool tells = w->dropped || !w->has_area;
     int line = 0, column = 0;
-    if (p->options->on_mesh || w->dropped) sagi_place_find(w->place, &line, &column); // counts all lines
+    if (p->options->on_mesh || tells) sagi_place_find(w->place, &line, &column); // counts all lines
     const void *mesh;
     if (p->options->on_mesh && sag_geometry_get(w->scene, w->geometry, NULL, &mesh) == SAG_OK) {
         char name[SAGI_MAX_PATH + 32];
@@ -283,8 +289,11 @@ static sag_status finish(sagi_pbrt *p, struct sagi_waiting *w) {
         sag_context_log(p->context, SAG_LOG_WARNING,
                         "%s:%d:%d: warning: Shape \"%s\": triangles with a vertex that is NaN, infinite or "
                         "beyond 2^100 are left out: %u of %u",
-                        w->place.source->path, line, column, w->kind == PLY ? "plymesh" : "trianglemesh",
-                        w->dropped, w->triangle_count);
+                        w->place.source->path, line, column, shape, w->dropped, w->triangle_count);
+    if (!w->has_area)
+        sag_context_log(p->context, SAG_LOG_WARNING,
+                        "%s:%d:%d: warning: Shape \"%s\": a light without area: it does not shine",
+                        w->place.source->path, line, column, shape);
     return SAG_OK;
 }
 

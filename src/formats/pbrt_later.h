@@ -5,7 +5,7 @@
 
 #include "formats/pbrt.h"
 
-// Whether a mesh at this point may be read later: not within a solid, and not where its area is asked for.
+// Whether a mesh at this point may be read later: not within a solid.
 bool sagi_pbrt_may_wait(const sagi_pbrt *p);
 
 // The mesh of a PLY file; `name` is the place of its name.

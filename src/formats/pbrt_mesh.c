@@ -21,6 +21,8 @@ static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *na
             p, p->params.place,
             "%s: triangles with a vertex that is NaN, infinite or beyond 2^100 are left out: %u of %u",
             p->params.what, dropped, data->triangle_count);
+    if (p->state.area_light.on && !p->options->geometry_only && !sagi_mesh_data_has_area(data))
+        sagi_pbrt_warn(p, p->params.place, "%s: a light without area: it does not shine", p->params.what);
     const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, 0, &p->state.ctm);
     sagi_mesh_data_clear(data);
     return status;
