@@ -50,11 +50,12 @@ typedef struct packet {
                                      // in `hits`; −1: none
     sagi_d4 t_max[PACKET_RAYS / 4];  // the rays' own, or the best t where that is known
     sagi_d4 way[PACKET_RAYS / 4][3]; // their directions by coordinate, where `turned`
-    bool turned;
-    float spread;                   // Δ
-    float c_length, c_square, turn; // |c| rounded up, |c|²; a bound of |δ|/|D|
-    float last;                     // lower bound of τ of the rays' t_max
-    double t_min, error, unit;      // as in sagi_float_ray
+    bool turned;                     // t_max and way are there,
+    bool measured;                   // and so are d, inverse, c_length, c_square and turn
+    float spread;                    // Δ
+    float c_length, c_square, turn;  // |c| rounded up, |c|²; a bound of |δ|/|D|
+    float last;                      // lower bound of τ of the rays' t_max
+    double t_min, error, unit;       // as in sagi_float_ray
     uint32_t mask;
     uint32_t undecided; // rays
     uint32_t work;      // done so far
@@ -141,24 +142,15 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
     if (p->doubtful != NULL)
         p->error += 0x1p-47 * (65 + largest_of_three(sagi_d4_abs(sagi_d4_load(&ray->origin))) * world->scale);
     p->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;
-    p->undecided = 0, p->work = 0, p->block_count = 0, p->turned = false;
-    const f8x3 c = fill3(p->c_float);
-    sagi_f8 turn = sagi_f8_fill(0);
+    p->undecided = 0, p->work = 0, p->block_count = 0, p->turned = p->measured = false;
     for (size_t i = 0; i < PACKET_GROUPS; i++) {
         sagi_f4 d[8];
         for (size_t j = 0; j < 8; j++)
             d[j] = sagi_d4_to_f4(sagi_d4_load(&rays[8 * i + j].direction) * down - p->c);
         sagi_f4_turn8(d, &p->x[i], &p->y[i], &p->z[i]);
-        const f8x3 away = {p->x[i], p->y[i], p->z[i]};
-        p->d[i] = (f8x3){c.x + away.x, c.y + away.y, c.z + away.z};
-        p->inverse[i] = 1 / dot8(&p->d[i], &p->d[i]);
-        turn = sagi_f8_max(turn, dot8(&away, &away) * p->inverse[i]);
         p->limit[i] = sagi_f8_fill((float)(last * (1 + 0x1p-22) + 0x1p-70));
         p->earliest[i] = sagi_f8_fill(INFINITY), p->nearest[i] = (sagi_i8){-1, -1, -1, -1, -1, -1, -1, -1};
     }
-    for (size_t i = 0; i < PACKET_RAYS / 4; i++) p->t_max[i] = sagi_d4_fill(ray->t_max);
-    p->c_square = dot8(&c, &c)[0];
-    p->c_length = sqrtf(p->c_square) * (1 + 0x1p-20F), p->turn = sqrtf(sagi_f8_most(turn)) * (1 + 0x1p-20F);
     return true;
 }
 

@@ -74,8 +74,7 @@ SAGI_INLINE void directions_of(const packet *p, const sagi_place *place, size_t 
     }
 }
 
-static inline void turn_directions(packet *p) {
-    if (p->turned) return;
+static __attribute__((noinline)) void turn_directions(packet *p) {
     p->turned = true;
     for (size_t i = 0; i < PACKET_RAYS / 4; i++) {
         sagi_d4 row[2][4], unused;
@@ -86,6 +85,7 @@ static inline void turn_directions(packet *p) {
         (void)sagi_d4_columns(row[0], &p->way[i][0]);
         const sagi_d4x3 rest = sagi_d4_columns(row[1], &unused);
         p->way[i][1] = rest.x, p->way[i][2] = rest.y;
+        p->t_max[i] = unused;
     }
 }
 
@@ -120,7 +120,6 @@ static __attribute__((noinline)) uint32_t packet_ask_four(packet *p, uint32_t ge
     else
         quadric_from = sagi_outline_origin_make(item->outline, origin, p->rays->t_min);
     uint32_t alone = 0;
-    turn_directions(p);
     for (size_t i = 0; i < PACKET_RAYS / 4; i++) {
         const uint32_t here = rays >> 4 * i & 15;
         if (here == 0) continue;
@@ -148,6 +147,7 @@ static inline bool goes_together(const sagi_item *item) {
 static __attribute__((noinline)) void packet_references(packet *p, const sagi_bvh_reference *refs,
                                                         uint32_t count, float begin) {
     p->work++;
+    if (!p->turned) turn_directions(p);
     for (uint32_t i = 0, n; i < count; i += n) {
         n = 1;
         const uint32_t rays = rays_left(p, begin);

@@ -318,7 +318,6 @@ static __attribute__((noinline)) uint32_t packet_dented(packet *p, uint32_t geom
     if (!packet_lines(p, solid, item->place, begin, line, &unit)) return rays;
     sag_vec3 origin = p->rays->origin;
     if (item->place != NULL) origin = sagi_affine_point(&item->place->to_object, origin);
-    turn_directions(p);
     uint32_t asked = 0;
     const float first = (float)((p->t_min - (double)begin) * (double)unit);
     for (uint32_t g = 0; g < PACKET_GROUPS; g++) {

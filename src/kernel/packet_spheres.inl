@@ -40,6 +40,21 @@ typedef struct packet_sphere_block {
     uint32_t left;                         // spheres that some ray may meet
 } packet_sphere_block;
 
+// What all blocks of spheres take of the packet.
+static __attribute__((noinline)) void measure_packet(packet *p) {
+    const f8x3 c = fill3(p->c_float);
+    sagi_f8 turn = sagi_f8_fill(0);
+    for (size_t i = 0; i < PACKET_GROUPS; i++) {
+        const f8x3 away = {p->x[i], p->y[i], p->z[i]};
+        p->d[i] = (f8x3){c.x + away.x, c.y + away.y, c.z + away.z};
+        p->inverse[i] = 1 / dot8(&p->d[i], &p->d[i]);
+        turn = sagi_f8_max(turn, dot8(&away, &away) * p->inverse[i]);
+    }
+    p->c_square = dot8(&c, &c)[0];
+    p->c_length = sqrtf(p->c_square) * (1 + 0x1p-20F), p->turn = sqrtf(sagi_f8_most(turn)) * (1 + 0x1p-20F);
+    p->measured = true;
+}
+
 SAGI_INLINE void prepare_spheres(packet_sphere_block *out, const packet *p, const sagi_block *block,
                                  float begin, f8x3 moved[PACKET_GROUPS]) {
     double steps = power_of_two(block->exponent);
@@ -103,6 +118,7 @@ SAGI_INLINE void packet_sphere(packet *p, size_t group, const packet_sphere_bloc
 SAGI_INLINE void packet_spheres(packet *p, const sagi_block *block, float begin) {
     const bool lone = block->geometry == SAGI_LONE_SPHERES;
     SAGI_KERNEL_COUNT(packet_blocks);
+    if (!p->measured) measure_packet(p);
     packet_sphere_block at;
     f8x3 moved[PACKET_GROUPS];
     prepare_spheres(&at, p, block, begin, moved);
