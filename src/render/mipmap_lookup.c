@@ -95,16 +95,27 @@ static place place_of(const sagi_spot_2d *at, sag_wrap wrap) {
     return (place){sagi_clamp(at->s, -1e6, 1e6), 1 - sagi_clamp(at->t, -1e6, 1e6)};
 }
 
+// The four texels from (i, j) on, by rows.
+static void four_texels(const sagi_mipmap *m, const sagi_level *level, int64_t i, int64_t j, sag_wrap wrap,
+                        sagi_texel four[4]) {
+    if (i >= 0 && j >= 0 && i + 1 < level->width && j + 1 < level->height) {
+        const size_t at = level->first + ((size_t)j * level->width + (size_t)i) * m->channels;
+        const size_t below = at + (size_t)level->width * m->channels;
+        four[0] = fetch(m, at), four[1] = fetch(m, at + m->channels);
+        four[2] = fetch(m, below), four[3] = fetch(m, below + m->channels);
+        return;
+    }
+    for (int k = 0; k < 4; k++) four[k] = texel_of(m, level, i + (k & 1), j + (k >> 1), wrap);
+}
+
 static sagi_texel bilinear(const sagi_mipmap *m, uint32_t l, place at, sag_wrap wrap) {
     const sagi_level *level = &m->levels[l];
     const double x = at.s * level->width - 0.5, y = at.t * level->height - 0.5;
     const double x0 = floor(x), y0 = floor(y);
     const float dx = (float)(x - x0), dy = (float)(y - y0);
-    const int64_t i = (int64_t)x0, j = (int64_t)y0;
-    const sagi_texel top =
-        texel_of(m, level, i, j, wrap) * (1 - dx) + texel_of(m, level, i + 1, j, wrap) * dx;
-    const sagi_texel bottom =
-        texel_of(m, level, i, j + 1, wrap) * (1 - dx) + texel_of(m, level, i + 1, j + 1, wrap) * dx;
+    sagi_texel four[4];
+    four_texels(m, level, (int64_t)x0, (int64_t)y0, wrap, four);
+    const sagi_texel top = four[0] * (1 - dx) + four[1] * dx, bottom = four[2] * (1 - dx) + four[3] * dx;
     return top * (1 - dy) + bottom * dy;
 }
 
