@@ -4,36 +4,64 @@
 // remaproughness is false.
 #include "formats/pbrt.h"
 
+#include "render/world.h"
+
 #include <math.h>
 #include <string.h>
 
 #define MAX_NAME 1024
 
-static const double half = 0.5;
+static const double half = 0.5, quarter = 0.25;
 
-static void read_roughness(sagi_pbrt *p, const char *all, const char *u, const char *v, sag_material *m) {
+// A pair of roughnesses: u and v where they are given, else what is for both.
+static void read_roughness(sagi_pbrt *p, const char *all, const char *u, const char *v, sag_input *to_u,
+                           sag_input *to_v) {
     const sag_input both = sagi_pbrt_float_input(p, all, 0);
-    m->roughness_u = sagi_pbrt_float_input(p, u, both.value.r);
-    m->roughness_v = sagi_pbrt_float_input(p, v, both.value.r);
-    sag_input *const inputs[] = {&m->roughness_u, &m->roughness_v};
-    const bool remap = sagi_params_bool(&p->params, "remaproughness", true);
-    for (int i = 0; i < 2; i++)
-        if (inputs[i]->texture == 0 && both.texture && inputs[i]->value.r == both.value.r)
-            inputs[i]->texture = both.texture;
-    m->roughness_is_root = remap && (m->roughness_u.texture || m->roughness_v.texture);
-    for (int i = 0; i < 2 && remap && !m->roughness_is_root; i++) {
+    *to_u = sagi_params_find(&p->params, u, ~0u) ? sagi_pbrt_float_input(p, u, 0) : both;
+    *to_v = sagi_params_find(&p->params, v, ~0u) ? sagi_pbrt_float_input(p, v, 0) : both;
+}
+
+// Roughness to α: at once, or where the surface is shaded if one of them is a texture.
+static void remap_roughness(sagi_pbrt *p, sag_material *m) {
+    sag_input *const inputs[] = {&m->roughness_u, &m->roughness_v, &m->coat_roughness_u,
+                                 &m->coat_roughness_v};
+    if (!sagi_params_bool(&p->params, "remaproughness", true)) return;
+    for (int i = 0; i < 4; i++) m->roughness_is_root |= inputs[i]->texture != 0;
+    for (int i = 0; i < 4 && !m->roughness_is_root; i++) {
         const double alpha = sqrt(fmax(inputs[i]->value.r, 0));
         inputs[i]->value = (sag_rgb){alpha, alpha, alpha};
     }
 }
 
+static void read_own_roughness(sagi_pbrt *p, sag_material *m) {
+    read_roughness(p, "roughness", "uroughness", "vroughness", &m->roughness_u, &m->roughness_v);
+    remap_roughness(p, m);
+}
+
+// pbrt's walk counts each layer it meets: the base is every other one.
+static void read_coat(sagi_pbrt *p, sag_material *m) {
+    m->thickness = sagi_pbrt_float_input(p, "thickness", 0.01);
+    m->thickness.value.r = fmax(m->thickness.value.r, 0);
+    m->coat_albedo = sagi_pbrt_spectrum_input(p, "albedo", SAGI_SPECTRUM_REFLECTANCE, 0);
+    m->coat_g = sagi_pbrt_float_input(p, "g", 0);
+    const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 10),
+                  samples = sagi_params_integer(&p->params, "nsamples", 1);
+    m->bounces = depth > 0 ? (uint32_t)depth / 2 + (uint32_t)depth % 2 : 1;
+    m->samples = samples > 0 ? (uint32_t)samples : 1;
+}
+
 static void read_metal(sagi_pbrt *p, const char *eta, const char *k, sag_material *m) {
-    m->kind = SAG_MATERIAL_CONDUCTOR;
     const bool by_reflectance = sagi_params_find(&p->params, "reflectance", ~0u) != NULL;
     m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, 0);
     m->eta = sagi_pbrt_spectrum_input(p, eta, SAGI_SPECTRUM_INDEX, 0);
     m->k = sagi_pbrt_spectrum_input(p, k, SAGI_SPECTRUM_INDEX, 0);
-    if (by_reflectance) return;
+    if (by_reflectance) {
+        if (m->eta.spectrum || m->k.spectrum || m->eta.texture || m->k.texture || m->eta.value.r != 0 ||
+            m->k.value.r != 0)
+            sagi_params_fail(&p->params, sagi_params_find(&p->params, "reflectance", ~0u),
+                             "either \"reflectance\" or \"%s\" and \"%s\" can be given", eta, k);
+        return;
+    }
     if (!sagi_params_find(&p->params, eta, ~0u))
         m->eta.spectrum = sagi_pbrt_named_spectrum(p, "metal-Cu-eta");
     if (!sagi_params_find(&p->params, k, ~0u)) m->k.spectrum = sagi_pbrt_named_spectrum(p, "metal-Cu-k");
@@ -49,19 +77,41 @@ static void warn_nearest(sagi_pbrt *p, sagi_place place, const char *kind, const
     for (size_t i = 0; i < p->params.count; i++) p->params.items[i].used = true;
 }
 
-// "mix": the material that has the larger share.
-static sag_status read_mix(sagi_pbrt *p, sagi_place place, uint32_t *id) {
-    const sagi_param *materials = sagi_params_find(&p->params, "materials", SAGI_TYPE_STRING);
-    if (!materials || materials->string_count != 2)
-        return sagi_params_fail(&p->params, materials, "\"string materials\" with two names expected");
-    const sag_input amount = sagi_pbrt_float_input(p, "amount", 0.5);
-    const sagi_slice name = p->params.strings[materials->first_string + (amount.value.r > 0.5)];
-    if (!sagi_names_get(&p->materials, name, id))
-        return sagi_params_fail(&p->params, materials, "there is no material \"%.*s\"",
-                                (int)(name.length < 100 ? name.length : 100), name.text);
-    sagi_pbrt_warn_once(p, place, "mix",
-                        "the material \"mix\" is not supported: the larger part stands for both");
-    return sagi_pbrt_parameters_done(p);
+static bool is_interface(const sagi_pbrt *p, uint32_t id) {
+    const sagi_material *materials = p->world->materials.items;
+    return id != 0 && materials[id - 1].material.kind == SAG_MATERIAL_INTERFACE;
+}
+
+// "mix" of two named materials.
+static void read_mix(sagi_pbrt *p, sag_material *m) {
+    sagi_params *params = &p->params;
+    m->kind = SAG_MATERIAL_MIX;
+    m->amount = sagi_pbrt_float_input(p, "amount", 0.5);
+    const sagi_param *materials = sagi_params_find(params, "materials", SAGI_TYPE_STRING);
+    if (!materials || materials->string_count != 2) {
+        sagi_params_fail(params, materials, "\"string materials\" with two names expected");
+        return;
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        const sagi_slice name = params->strings[materials->first_string + i];
+        const int length = (int)(name.length < 100 ? name.length : 100);
+        if (!sagi_names_get(&p->materials, name, &m->materials[i]))
+            sagi_params_fail(params, materials, "there is no material \"%.*s\"", length, name.text);
+        else if (is_interface(p, m->materials[i]))
+            sagi_params_fail(params, materials, "an interface (\"%.*s\") cannot be mixed", length, name.text);
+    }
+}
+
+static sag_input scaled(sagi_pbrt *p, sag_input input, double scale) {
+    if (scale == 1) return input;
+    if (!input.texture && !input.spectrum) {
+        input.value = (sag_rgb){input.value.r * scale, input.value.g * scale, input.value.b * scale};
+        return input;
+    }
+    const sag_texture texture = {
+        .kind = SAG_TEXTURE_SCALE, .a = input, .b = {.value = {scale, scale, scale}}};
+    const sag_texture_id id = sag_world_add_texture(p->world, &texture);
+    return (sag_input){.texture = id};
 }
 
 // Fills the material of the kind; false for an unknown one.
@@ -69,12 +119,13 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
     if (strcmp(kind, "diffuse") == 0) {
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
     } else if (strcmp(kind, "conductor") == 0) {
+        m->kind = SAG_MATERIAL_CONDUCTOR;
         read_metal(p, "eta", "k", m);
-        read_roughness(p, "roughness", "uroughness", "vroughness", m);
+        read_own_roughness(p, m);
     } else if (strcmp(kind, "dielectric") == 0) {
         m->kind = SAG_MATERIAL_DIELECTRIC;
         m->eta = read_index(p, "eta");
-        read_roughness(p, "roughness", "uroughness", "vroughness", m);
+        read_own_roughness(p, m);
     } else if (strcmp(kind, "thindielectric") == 0) {
         m->kind = SAG_MATERIAL_THIN_DIELECTRIC;
         m->eta = read_index(p, "eta");
@@ -82,21 +133,27 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         m->kind = SAG_MATERIAL_COATED_DIFFUSE;
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
         m->eta = read_index(p, "eta");
-        read_roughness(p, "roughness", "uroughness", "vroughness", m);
-        m->thickness = fmax(sagi_pbrt_float_input(p, "thickness", 0.01).value.r, 0);
-        // pbrt's walk counts each layer it meets: the base is every other one.
-        const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 10);
-        m->bounces = depth > 0 ? (uint32_t)depth / 2 + (uint32_t)depth % 2 : 1;
-        sagi_pbrt_ignore(p, "nsamples", NULL);
-        sagi_pbrt_ignore(p, "albedo", "(of the medium within the coat) is not supported");
-        sagi_pbrt_ignore(p, "g", NULL);
+        read_own_roughness(p, m);
+        read_coat(p, m);
     } else if (strcmp(kind, "coatedconductor") == 0) {
+        m->kind = SAG_MATERIAL_COATED_CONDUCTOR;
         read_metal(p, "conductor.eta", "conductor.k", m);
-        read_roughness(p, "conductor.roughness", "conductor.uroughness", "conductor.vroughness", m);
-        warn_nearest(p, place, kind, "the metal without its coat");
+        m->coat_eta = read_index(p, "interface.eta");
+        read_roughness(p, "interface.roughness", "interface.uroughness", "interface.vroughness",
+                       &m->coat_roughness_u, &m->coat_roughness_v);
+        read_roughness(p, "conductor.roughness", "conductor.uroughness", "conductor.vroughness",
+                       &m->roughness_u, &m->roughness_v);
+        remap_roughness(p, m);
+        read_coat(p, m);
     } else if (strcmp(kind, "diffusetransmission") == 0) {
-        m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, 0.25);
-        warn_nearest(p, place, kind, "a diffuse one without transmission");
+        const double scale = sagi_params_float(&p->params, "scale", 1);
+        m->kind = SAG_MATERIAL_DIFFUSE_TRANSMISSION;
+        m->reflectance =
+            scaled(p, sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, quarter), scale);
+        m->transmittance = scaled(
+            p, sagi_pbrt_spectrum_input(p, "transmittance", SAGI_SPECTRUM_REFLECTANCE, quarter), scale);
+    } else if (strcmp(kind, "mix") == 0) {
+        read_mix(p, m);
     } else if (strcmp(kind, "interface") == 0 || strcmp(kind, "none") == 0 || kind[0] == '\0') {
         m->kind = SAG_MATERIAL_INTERFACE;
     } else if (strcmp(kind, "subsurface") == 0 || strcmp(kind, "hair") == 0 ||
@@ -116,11 +173,13 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
 static void check_material(sagi_pbrt *p, sagi_place place, const sag_material *m) {
     sagi_params *params = &p->params;
     const bool is_glass = m->kind == SAG_MATERIAL_DIELECTRIC || m->kind == SAG_MATERIAL_THIN_DIELECTRIC ||
-                          m->kind == SAG_MATERIAL_COATED_DIFFUSE;
-    if (is_glass && !m->eta.spectrum && !(m->eta.value.r > 0 && m->eta.value.g > 0 && m->eta.value.b > 0) &&
-        !m->eta.texture)
-        sagi_params_fail(params, sagi_params_find(params, "eta", ~0u),
-                         "eta %g: an index of refraction is positive", m->eta.value.r);
+                          m->kind == SAG_MATERIAL_COATED_DIFFUSE,
+               is_coat = m->kind == SAG_MATERIAL_COATED_CONDUCTOR;
+    const sag_input *index = is_coat ? &m->coat_eta : &m->eta;
+    if ((is_glass || is_coat) && !index->spectrum && !index->texture &&
+        !(index->value.r > 0 && index->value.g > 0 && index->value.b > 0))
+        sagi_params_fail(params, sagi_params_find(params, is_coat ? "interface.eta" : "eta", ~0u),
+                         "eta %g: an index of refraction is positive", index->value.r);
     const sag_rgb c = m->reflectance.value;
     const double least = fmin(c.r, fmin(c.g, c.b)), most = fmax(c.r, fmax(c.g, c.b));
     if (!m->reflectance.texture && !m->reflectance.spectrum && (least < 0 || most > 1))
@@ -129,11 +188,10 @@ static void check_material(sagi_pbrt *p, sagi_place place, const sag_material *m
 }
 
 static sag_status read_material(sagi_pbrt *p, sagi_place place, const char *kind, uint32_t *id) {
-    if (strcmp(kind, "mix") == 0) return read_mix(p, place, id);
     sag_material material = {.kind = SAG_MATERIAL_DIFFUSE};
     if (!read_kind(p, place, kind, &material))
         return sagi_place_error(place, p->error, "unknown material \"%.60s\"", kind);
-    check_material(p, place, &material);
+    if (p->params.status == SAG_OK) check_material(p, place, &material);
     const sag_status status = sagi_pbrt_parameters_done(p);
     if (status != SAG_OK) return status;
     *id = sag_world_add_material(p->world, &material);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The frame of a scattering point, the choice among materials, and the diffuse one.
+// The frame of a scattering point, the choice among materials, and the diffuse ones.
 //
 // Two normals meet here. Scattering is computed in the frame of the shading normal; whether light passes
 // through is decided by the geometric one, or light would leak: a direction that the shading normal takes for
@@ -50,10 +50,40 @@ static double regularized(double alpha) { return alpha < 0.3 ? fmax(0.1, fmin(2 
 
 void sagi_bsdf_regularize(sagi_bsdf *bsdf) {
     bool faceted = bsdf->kind == SAG_MATERIAL_CONDUCTOR || bsdf->kind == SAG_MATERIAL_COATED_DIFFUSE ||
+                   bsdf->kind == SAG_MATERIAL_COATED_CONDUCTOR ||
                    (bsdf->kind == SAG_MATERIAL_DIELECTRIC && bsdf->ior != 1);
     if (!faceted) return;
     bsdf->facets = (sagi_microfacet){regularized(bsdf->facets.ax), regularized(bsdf->facets.ay)};
+    if (bsdf->layered && bsdf->ior != 1)
+        bsdf->coat = (sagi_microfacet){regularized(bsdf->coat.ax), regularized(bsdf->coat.ay)};
     bsdf->specular = false;
+}
+
+// Lambert's law on both sides: ρ/π back, τ/π through.
+static double share_reflected(const sagi_bsdf *bsdf) {
+    const float back = sagi_spectrum_max(bsdf->color), through = sagi_spectrum_max(bsdf->base);
+    return back > 0 ? (double)(back / (back + through)) : 0;
+}
+
+static sagi_spectrum transmission_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
+    const double density = fabs(wi.z) * SAGI_INV_PI, back = share_reflected(bsdf);
+    const bool reflected = wi.z * bsdf->wo.z > 0;
+    *pdf = density * (reflected ? back : 1 - back);
+    return (reflected ? bsdf->color : bsdf->base) * (float)density;
+}
+
+static bool transmission_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample) {
+    const double back = share_reflected(bsdf);
+    const bool reflected = choose < back;
+    sag_vec3 wi = sagi_warp_cosine(u);
+    if (!(wi.z > 0)) return false;
+    const double share = reflected ? back : 1 - back;
+    sample->pdf = wi.z * SAGI_INV_PI * share;
+    if ((bsdf->wo.z < 0) == reflected) wi.z = -wi.z;
+    sample->wi = wi;
+    sample->transmission = !reflected;
+    sample->weight = (reflected ? bsdf->color : bsdf->base) * (float)(1 / share);
+    return true;
 }
 
 sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *pdf) {
@@ -66,8 +96,12 @@ sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *p
     case SAG_MATERIAL_DIFFUSE: return sagi_diffuse_eval(bsdf, wi, pdf);
     case SAG_MATERIAL_CONDUCTOR: return sagi_conductor_eval(bsdf, wi, pdf);
     case SAG_MATERIAL_DIELECTRIC: return sagi_dielectric_eval(bsdf, wi, pdf);
-    case SAG_MATERIAL_COATED_DIFFUSE: return sagi_coated_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_COATED_DIFFUSE:
+        return bsdf->layered ? sagi_layered_eval(bsdf, wi, pdf) : sagi_coated_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_COATED_CONDUCTOR: return sagi_layered_eval(bsdf, wi, pdf);
+    case SAG_MATERIAL_DIFFUSE_TRANSMISSION: return transmission_eval(bsdf, wi, pdf);
     case SAG_MATERIAL_THIN_DIELECTRIC:
+    case SAG_MATERIAL_MIX:
     case SAG_MATERIAL_INTERFACE: break;
     }
     return black;
@@ -92,7 +126,13 @@ bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_
     case SAG_MATERIAL_CONDUCTOR: found = sagi_conductor_sample(bsdf, u, sample); break;
     case SAG_MATERIAL_DIELECTRIC: found = sagi_dielectric_sample(bsdf, choose, u, sample); break;
     case SAG_MATERIAL_THIN_DIELECTRIC: found = sagi_thin_sample(bsdf, choose, sample); break;
-    case SAG_MATERIAL_COATED_DIFFUSE: found = sagi_coated_sample(bsdf, choose, u, sample); break;
+    case SAG_MATERIAL_COATED_DIFFUSE:
+        found = bsdf->layered ? sagi_layered_sample(bsdf, choose, u, sample)
+                              : sagi_coated_sample(bsdf, choose, u, sample);
+        break;
+    case SAG_MATERIAL_COATED_CONDUCTOR: found = sagi_layered_sample(bsdf, choose, u, sample); break;
+    case SAG_MATERIAL_DIFFUSE_TRANSMISSION: found = transmission_sample(bsdf, choose, u, sample); break;
+    case SAG_MATERIAL_MIX:
     case SAG_MATERIAL_INTERFACE: break;
     }
     if (!found || sagi_spectrum_is_black(sample->weight)) return false;

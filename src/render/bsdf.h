@@ -23,8 +23,16 @@ typedef struct sagi_bsdf {
     // bounces.
     double inner_mean, thickness;
     uint32_t bounces;
-    sagi_spectrum base;
+    sagi_spectrum base; // of diffuse transmission: the transmittance
     sagi_microfacet facets;
+    // Of coats that are walked through, see layered.c: the coat's facets, the albedo and mean cosine of what
+    // is in it, and where its random numbers begin.
+    bool layered;
+    uint32_t walks;
+    uint64_t seed;
+    sagi_microfacet coat;
+    sagi_spectrum albedo;
+    double g;
 } sagi_bsdf;
 
 typedef struct sagi_bsdf_sample {
@@ -56,6 +64,8 @@ bool sagi_conductor_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *
 sagi_spectrum sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_dielectric_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sample);
+sagi_spectrum sagi_layered_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
+bool sagi_layered_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 // Once color and the coat's numbers are known.
 void sagi_coated_prepare(sagi_bsdf *bsdf);
 sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);

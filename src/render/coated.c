@@ -13,6 +13,7 @@
 // 0 (meaning ∞) it is the lossless coat above.
 #include "bsdf.h"
 #include "fresnel.h"
+#include "math/elementary.h"
 #include "warp.h"
 
 // The sum of the first `terms` powers of x, all for 0; 0 ≤ x < 1.
@@ -32,7 +33,7 @@ void sagi_coated_prepare(sagi_bsdf *bsdf) {
 static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
     if (!(bsdf->thickness > 0)) return 1 - reflectance;
     double inside = sqrt(1 - fmin(1, 1 - w.z * w.z) / (bsdf->ior * bsdf->ior));
-    return (1 - reflectance) * exp(-bsdf->thickness / inside);
+    return (1 - reflectance) * sagi_exp(-bsdf->thickness / inside);
 }
 
 static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {

@@ -10,6 +10,8 @@
 //     R∥ = R⊥ (c(a² + b²) + s² − 2a cos s)/(c(a² + b²) + s² + 2a cos s).
 #include "fresnel.h"
 
+#include "math/elementary.h"
+
 double sagi_fresnel_dielectric(double cos_i, double eta) {
     cos_i = sagi_clamp(cos_i, -1, 1);
     if (cos_i < 0) {
@@ -73,7 +75,7 @@ double sagi_fresnel_inner_mean(double eta, double thickness) {
     for (int i = 0; i < steps; i++) {
         double x = (i + 0.5) / steps; // the cosine
         outer += sagi_fresnel_dielectric(x, eta) * 2 * x / steps;
-        absorbed += sagi_fresnel_dielectric(x, 1 / eta) * (1 - exp(-2 * thickness / x)) * 2 * x / steps;
+        absorbed += sagi_fresnel_dielectric(x, 1 / eta) * (1 - sagi_exp(-2 * thickness / x)) * 2 * x / steps;
     }
     return 1 - (1 - outer) / (eta * eta) - absorbed;
 }

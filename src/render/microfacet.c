@@ -8,6 +8,8 @@
 // that is uniformly sampled (Dupuy & Benyoub 2023).
 #include "microfacet.h"
 
+#include "math/elementary.h"
+
 double sagi_microfacet_d(sagi_microfacet facets, sag_vec3 m) {
     // D with cos⁴ multiplied in: no division by a cosine that may be 0.
     double x = m.x / facets.ax, y = m.y / facets.ay;
@@ -33,7 +35,9 @@ sag_vec3 sagi_microfacet_sample(sagi_microfacet facets, sag_vec3 w, sag_vec2 u) 
     double phi = 2 * SAGI_RENDER_PI * u.x;
     double z = (1 - u.y) * (1 + stretched.z) - stretched.z;
     double s = sqrt(sagi_clamp(1 - z * z, 0, 1));
-    sag_vec3 half = sag_add(sag_vec3_make(s * cos(phi), s * sin(phi), z), stretched);
+    double sine, cosine;
+    sagi_sincos(phi, &sine, &cosine);
+    sag_vec3 half = sag_add(sag_vec3_make(s * cosine, s * sine, z), stretched);
     return sag_normalize(sag_vec3_make(facets.ax * half.x, facets.ay * half.y, fmax(half.z, 0)));
 }
 

@@ -57,9 +57,9 @@ static bool scatter(const sag_render *render, sagi_path *p, const sagi_meeting *
     p->depth++;
     if (render->has_media) p->medium = sagi_medium_beyond(m->appearance, &m->surface, sample.wi, p->medium);
     *ray = sag_spawn_ray(&m->surface, sample.wi);
-    ray->mask = sample.transmission                    ? SAG_RAY_REFRACTION
-                : m->bsdf.kind == SAG_MATERIAL_DIFFUSE ? SAG_RAY_DIFFUSE
-                                                       : SAG_RAY_REFLECTION;
+    const bool diffuse = m->bsdf.kind == SAG_MATERIAL_DIFFUSE ||
+                         (m->bsdf.kind == SAG_MATERIAL_DIFFUSE_TRANSMISSION && !sample.transmission);
+    ray->mask = sample.transmission ? SAG_RAY_REFRACTION : diffuse ? SAG_RAY_DIFFUSE : SAG_RAY_REFLECTION;
     return true;
 }
 
@@ -90,7 +90,8 @@ bool sagi_path_step(sagi_wave *wave, sagi_path *p, sagi_meeting *m, sag_ray *ray
     if (p->depth >= render->settings.max_depth || (direct && !p->exact)) return false;
     p->from.position = m->surface.position;
     p->from.normal = m->bsdf.wo.z < 0 ? sag_neg(m->bsdf.n) : m->bsdf.n;
-    p->from.reflects_only = m->bsdf.kind != SAG_MATERIAL_DIELECTRIC;
+    p->from.reflects_only =
+        m->bsdf.kind != SAG_MATERIAL_DIELECTRIC && m->bsdf.kind != SAG_MATERIAL_DIFFUSE_TRANSMISSION;
     if (!m->bsdf.specular) add_light(wave, p, m);
     return scatter(render, p, m, ray) && sagi_path_survives(p);
 }

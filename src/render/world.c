@@ -145,7 +145,10 @@ static sag_rgb mirror_color(const sagi_color *eta, const sagi_color *k) {
 static void prepare_material(const sag_world *world, sagi_material *entry) {
     const sag_material *material = &entry->material;
     entry->reflectance = sagi_input_color(world, &material->reflectance, SAGI_RGB_ALBEDO);
-    if (material->kind == SAG_MATERIAL_CONDUCTOR) {
+    entry->transmittance = sagi_input_color(world, &material->transmittance, SAGI_RGB_ALBEDO);
+    entry->coat_albedo = sagi_input_color(world, &material->coat_albedo, SAGI_RGB_ALBEDO);
+    entry->coat_eta = index_color(world, &material->coat_eta);
+    if (material->kind == SAG_MATERIAL_CONDUCTOR || material->kind == SAG_MATERIAL_COATED_CONDUCTOR) {
         entry->eta = sagi_input_color(world, &material->eta, SAGI_RGB_UNBOUNDED);
         entry->k = sagi_input_color(world, &material->k, SAGI_RGB_UNBOUNDED);
         entry->mirror = mirror_color(&entry->eta, &entry->k);
@@ -154,20 +157,41 @@ static void prepare_material(const sag_world *world, sagi_material *entry) {
     entry->eta = index_color(world, &material->eta);
     if (material->kind != SAG_MATERIAL_COATED_DIFFUSE) return;
     const double eta = sagi_color_at_first(&entry->eta, sagi_spectrum_all(560));
-    entry->inner_mean = sagi_fresnel_inner_mean(eta > 0 ? eta : 1.5, fmax(material->thickness, 0));
+    entry->inner_mean = sagi_fresnel_inner_mean(eta > 0 ? eta : 1.5, fmax(material->thickness.value.r, 0));
+}
+
+static bool is_mixable(const sag_world *world, uint32_t id) {
+    const sagi_material *materials = world->materials.items;
+    return id != 0 && id <= world->materials.count &&
+           materials[id - 1].material.kind != SAG_MATERIAL_INTERFACE;
 }
 
 uint32_t sag_world_add_material(sag_world *world, const sag_material *material) {
-    const sag_input *inputs[] = {&material->reflectance, &material->eta,         &material->k,
-                                 &material->roughness_u, &material->roughness_v, &material->displacement};
+    const sag_input *inputs[] = {&material->reflectance,
+                                 &material->transmittance,
+                                 &material->eta,
+                                 &material->k,
+                                 &material->roughness_u,
+                                 &material->roughness_v,
+                                 &material->coat_eta,
+                                 &material->coat_roughness_u,
+                                 &material->coat_roughness_v,
+                                 &material->thickness,
+                                 &material->coat_albedo,
+                                 &material->coat_g,
+                                 &material->displacement,
+                                 &material->amount};
     const sagi_texture *textures = world->textures.items;
     bool wants_footprint = false;
-    for (int i = 0; i < 6; i++) {
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
         const sag_texture_id id = inputs[i]->texture;
         if (id > world->textures.count || inputs[i]->spectrum > world->spectra.count) return 0;
         wants_footprint |= id != 0 && textures[id - 1].wants_footprint;
     }
     if (material->normal_map > world->pictures.count) return 0;
+    if (material->kind == SAG_MATERIAL_MIX &&
+        !(is_mixable(world, material->materials[0]) && is_mixable(world, material->materials[1])))
+        return 0;
     sagi_material *slot = sagi_list_grow(world->context, &world->materials, sizeof *slot);
     if (!slot) return 0;
     slot->material = *material;

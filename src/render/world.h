@@ -30,10 +30,10 @@ typedef struct sagi_texture {
 
 typedef struct sagi_material {
     sag_material material;
-    sagi_color reflectance, eta, k; // where they are no textures
-    sag_rgb mirror;                 // of a metal without textures: its colour at normal incidence
-    double inner_mean;              // of a coat
-    bool wants_footprint;           // of one of its textures
+    sagi_color reflectance, transmittance, eta, k, coat_eta, coat_albedo; // where they are no textures
+    sag_rgb mirror;       // of a metal without textures: its colour at normal incidence
+    double inner_mean;    // of a coat
+    bool wants_footprint; // of one of its textures
 } sagi_material;
 
 // The look of one geometry; its user data is the id.
