@@ -24,7 +24,7 @@ bool sagi_ply_quick_vertices(sagi_ply_reader *r, size_t count, const sagi_ply_pr
         offsets[p->role] = stride; // the last of a name counts, as in the general way
         stride += sagi_ply_size(p->type);
     }
-    if ((size_t)(r->end - r->next) / stride < count) return false;
+    if (stride == 0 || (size_t)(r->end - r->next) / stride < count) return false;
     const sagi_mesh_data *mesh = r->mesh;
     float *positions = mesh->positions_f32, *normals = mesh->normals, *texcoords = mesh->texcoords;
     const uint8_t *from = r->next;
