@@ -6,7 +6,7 @@
 //
 // Assimp reads a file whole before it looks at it and takes noise for text, so what cannot be a file of the
 // format its name promises is refused beforehand.
-#include "formats/import.h"
+#include "formats/import_material.h"
 
 #include "formats/file.h"
 #include "formats/image.h"
@@ -30,11 +30,11 @@ typedef struct importer {
     char directory[SAGI_MAX_PATH];
     sag_error *error;
     const struct aiScene *scene;
-    sag_affine upright;  // turns the file's up to y
-    uint32_t *uses;      // how many nodes show each mesh
-    sag_scene **objects; // of each mesh shown more than once
-    uint32_t *materials; // the world's id of each material
-    sag_box3 *bounds;    // of all that stands in the world; or NULL
+    sag_affine upright;    // turns the file's up to y
+    uint32_t *uses;        // how many nodes show each mesh
+    sag_scene **objects;   // of each mesh shown more than once
+    sag_appearance *looks; // of each material
+    sag_box3 *bounds;      // of all that stands in the world; or NULL
     uint64_t triangle_count;
 } importer;
 
@@ -129,94 +129,6 @@ static sag_status check_file(const importer *m) {
     return SAG_OK;
 }
 
-// ---- materials
-
-static sag_texture_id add_texture(const importer *m, const struct aiString *name) {
-    const struct aiTexture *embedded = NULL;
-    if (name->data[0] == '*') {
-        unsigned index = 0;
-        for (const char *p = name->data + 1; *p >= '0' && *p <= '9' && index < 1000000; p++)
-            index = 10 * index + (unsigned)(*p - '0');
-        if (index < m->scene->mNumTextures) embedded = m->scene->mTextures[index];
-    }
-    sag_texture texture = {.kind = SAG_TEXTURE_IMAGE};
-    sag_error error;
-    sag_status status;
-    char path[SAGI_MAX_PATH];
-    const int length =
-        snprintf(path, sizeof path, "%s%s", name->data[0] == '/' ? "" : m->directory, name->data);
-    for (char *p = path; *p; p++)
-        if (*p == '\\') *p = '/';
-    if (embedded && embedded->mHeight == 0) {
-        const sagi_image_source source = {m->context, m->path, (const uint8_t *)embedded->pcData,
-                                          embedded->mWidth, SAG_ENCODING_DEFAULT, NULL};
-        status = sagi_image_decode(&source, &texture.image, &error);
-    } else if (length < 0 || (size_t)length >= sizeof path || name->data[0] == '*') {
-        return 0;
-    } else {
-        status = sag_world_load_picture(m->world, path, SAG_ENCODING_DEFAULT, 0, &texture.picture, &error);
-    }
-    if (status == SAG_OK) return sag_world_add_texture(m->world, &texture);
-    sag_context_log(m->context, SAG_LOG_WARNING, "%s: warning: texture %s: %s", m->path, name->data,
-                    error.message);
-    return 0;
-}
-
-static bool get_color(const struct aiMaterial *material, const char *key, unsigned type, unsigned index,
-                      sag_rgb *rgb) {
-    struct aiColor4D c;
-    if (aiGetMaterialColor(material, key, type, index, &c) != aiReturn_SUCCESS) return false;
-    *rgb = (sag_rgb){(double)c.r, (double)c.g, (double)c.b};
-    return true;
-}
-
-static double get_number(const struct aiMaterial *material, const char *key, unsigned type, unsigned index,
-                         double otherwise) {
-    float value;
-    unsigned count = 1;
-    return aiGetMaterialFloatArray(material, key, type, index, &value, &count) == aiReturn_SUCCESS
-               ? (double)value
-               : otherwise;
-}
-
-static sag_input constant(double x) { return (sag_input){.value = {x, x, x}}; }
-
-// The nearest of our materials: glass when it lets light through, metal when it says so, plastic for the
-// materials of glTF, else diffuse. glTF's roughness r is α = r².
-static uint32_t add_material(const importer *m, const struct aiMaterial *from) {
-    sag_material material = {.kind = SAG_MATERIAL_DIFFUSE};
-    sag_rgb color = {0.6, 0.6, 0.6};
-    struct aiString name;
-    const bool named = aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS;
-    const bool has_color =
-        get_color(from, AI_MATKEY_BASE_COLOR, &color) || get_color(from, AI_MATKEY_COLOR_DIFFUSE, &color);
-    if (!has_color || (named && strcmp(name.data, "DefaultMaterial") == 0))
-        return sagi_default_material(m->world);
-    const double opacity = get_number(from, AI_MATKEY_OPACITY, 1),
-                 transmission = get_number(from, AI_MATKEY_TRANSMISSION_FACTOR, 0);
-    const double metallic = get_number(from, AI_MATKEY_METALLIC_FACTOR, -1),
-                 roughness = get_number(from, AI_MATKEY_ROUGHNESS_FACTOR, 0.5);
-    material.reflectance.value = color;
-    if (aiGetMaterialTexture(from, aiTextureType_BASE_COLOR, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
-            aiReturn_SUCCESS ||
-        aiGetMaterialTexture(from, aiTextureType_DIFFUSE, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
-            aiReturn_SUCCESS)
-        material.reflectance.texture = add_texture(m, &name);
-    if (transmission > 0.5 || opacity < 0.5) {
-        const double index = get_number(from, AI_MATKEY_REFRACTI, 1.5);
-        material.kind = SAG_MATERIAL_DIELECTRIC;
-        material.eta = constant(index > 1 && index < 4 ? index : 1.5);
-    } else if (metallic > 0.5) {
-        material.kind = SAG_MATERIAL_CONDUCTOR;
-        material.roughness_u = material.roughness_v = constant(roughness * roughness);
-    } else if (metallic >= 0 && roughness < 0.9) {
-        material.kind = SAG_MATERIAL_COATED_DIFFUSE;
-        material.eta = constant(1.5);
-        material.roughness_u = material.roughness_v = constant(roughness * roughness);
-    }
-    return sag_world_add_material(m->world, &material);
-}
-
 // ---- meshes
 
 static bool copy_mesh(const struct aiMesh *from, sagi_mesh_data *data, const sag_context *context) {
@@ -264,11 +176,7 @@ static sag_status add_mesh(importer *m, unsigned i, sag_scene *scene, const sag_
         m->triangle_count += data.triangle_count;
         sag_appearance look = {0};
         if (!m->options->geometry_only) {
-            look.material = m->materials[from->mMaterialIndex];
-            // Lights that stand in several places are not possible.
-            if (scene == sag_world_scene(m->world))
-                get_color(m->scene->mMaterials[from->mMaterialIndex], AI_MATKEY_COLOR_EMISSIVE,
-                          &look.emission);
+            look = m->looks[from->mMaterialIndex];
         }
         status = sagi_import_add(m->world, m->options, scene, &data,
                                  from->mName.length ? from->mName.data : m->path, &look, placed,
@@ -352,18 +260,20 @@ static sag_status import_scene(importer *m) {
     if (meshes == 0 || !m->scene->mRootNode)
         return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0, "there are no triangles in it");
     const size_t sizes[3] = {meshes * sizeof *m->uses, meshes * sizeof *m->objects,
-                             (materials ? materials : 1) * sizeof *m->materials};
+                             (materials ? materials : 1) * sizeof *m->looks};
     m->uses = sag_allocate(m->context, sizes[0]);
     m->objects = sag_allocate(m->context, sizes[1]);
-    m->materials = sag_allocate(m->context, sizes[2]);
+    m->looks = sag_allocate(m->context, sizes[2]);
     sag_status status = out_of_memory(m);
-    if (m->uses && m->objects && m->materials) {
+    if (m->uses && m->objects && m->looks) {
         memset(m->uses, 0, sizes[0]);
         memset(m->objects, 0, sizes[1]);
-        memset(m->materials, 0, sizes[2]);
-        for (unsigned i = 0; i < materials && !m->options->geometry_only; i++)
-            m->materials[i] = add_material(m, m->scene->mMaterials[i]);
-        status = walk(m, true);
+        memset(m->looks, 0, sizes[2]);
+        const sagi_import_source source = {m->world, m->scene, m->path, m->directory};
+        bool made = true;
+        for (unsigned i = 0; i < materials && !m->options->geometry_only && made; i++)
+            made = sagi_import_look(&source, m->scene->mMaterials[i], &m->looks[i]);
+        if (made) status = walk(m, true);
         if (status == SAG_OK) status = walk(m, false);
         if (status == SAG_OK && m->triangle_count == 0)
             status =
@@ -371,7 +281,7 @@ static sag_status import_scene(importer *m) {
     }
     sag_release(m->context, m->uses, sizes[0]);
     sag_release(m->context, m->objects, sizes[1]);
-    sag_release(m->context, m->materials, sizes[2]);
+    sag_release(m->context, m->looks, sizes[2]);
     return status;
 }
 

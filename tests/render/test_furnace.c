@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 #include <cmocka.h>
 // clang-format on
 #include "support/picture.h"
@@ -165,6 +166,90 @@ static void coats_of_white(void **state) {
     }
 }
 
+// What neither loses nor makes light in any other material, on a flat, a round and a dented shape.
+static void all_white_materials(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        sag_material material;
+    } whites[] = {
+        {
+            "paper",
+            {.kind = SAG_MATERIAL_DIFFUSE_TRANSMISSION,
+             .reflectance.value = {0.5, 0.5, 0.5},
+             .transmittance.value = {0.5, 0.5, 0.5}},
+        },
+        {"pane", {.kind = SAG_MATERIAL_THIN_DIELECTRIC, .eta.value = {1.5, 0, 0}}},
+        {"lacquered mirror",
+         {.kind = SAG_MATERIAL_COATED_CONDUCTOR, .eta.value = {1, 1, 1}, .k.value = {1e8, 1e8, 1e8}}},
+        {"mirror in white fog",
+         {.kind = SAG_MATERIAL_COATED_CONDUCTOR,
+          .eta.value = {1, 1, 1},
+          .k.value = {1e8, 1e8, 1e8},
+          .thickness.value = {0.5, 0, 0},
+          .coat_albedo.value = {1, 1, 1},
+          .coat_g.value = {0.3, 0, 0}}},
+        {"white paint in white fog",
+         {.kind = SAG_MATERIAL_COATED_DIFFUSE,
+          .reflectance.value = {1, 1, 1},
+          .thickness.value = {0.5, 0, 0},
+          .coat_albedo.value = {1, 1, 1}}},
+        {"mix", {.kind = SAG_MATERIAL_MIX, .materials = {1, 3}, .amount.value = {0.3, 0, 0}}},
+        {"mix of mixes", {.kind = SAG_MATERIAL_MIX, .materials = {6, 2}, .amount.value = {0.6, 0, 0}}},
+    };
+    static const char *const shapes[] = {"rectangle", "sphere", "torus", "mesh"};
+    for (size_t i = 0; i < SUBJECT_COUNT; i++) {
+        bool chosen = false;
+        for (int k = 0; k < 4; k++) chosen |= strcmp(subjects[i].name, shapes[k]) == 0;
+        if (!chosen) continue;
+        for (size_t w = 0; w < sizeof whites / sizeof *whites; w++) {
+            studio s = furnace(&subjects[i], (sag_appearance){.material = 0});
+            uint32_t id = 0;
+            for (size_t k = 0; k <= w; k++) id = studio_material(&s, whites[k].material);
+            sag_world_set_appearance(s.world, s.scene, 0, &(sag_appearance){.material = id});
+            s.settings->max_depth = 1000;
+            const studio_mean m = studio_measure(&s);
+            // White spectra made of colours are white to 1e-4 or so.
+            if (!(fabs(m.mean - 1) < 5 * m.deviation + 2e-3 && m.deviation < 0.02))
+                print_message("%s, %s: %g +- %g\n", subjects[i].name, whites[w].name, m.mean, m.deviation);
+            assert_true(fabs(m.mean - 1) < 5 * m.deviation + 2e-3 && m.deviation < 0.02);
+            studio_close(&s);
+        }
+    }
+}
+
+// A mix is the weighted sum of what it mixes, also when it is mixed again; and of nothing that is no
+// material.
+static void mixes_are_weighted_sums(void **state) {
+    (void)state;
+    studio_mean m[3];
+    for (int i = 0; i < 3; i++) {
+        studio s = furnace(&subjects[4], (sag_appearance){.material = 0});
+        const uint32_t a = studio_material(
+            &s, (sag_material){.kind = SAG_MATERIAL_DIFFUSE, .reflectance.value = {0.2, 0.2, 0.2}});
+        const uint32_t b = studio_material(
+            &s, (sag_material){.kind = SAG_MATERIAL_CONDUCTOR, .reflectance.value = {0.9, 0.9, 0.9}});
+        const uint32_t air = studio_material(&s, (sag_material){.kind = SAG_MATERIAL_INTERFACE});
+        sag_material mix = {.kind = SAG_MATERIAL_MIX, .materials = {a, b}, .amount.value = {0.25, 0, 0}};
+        const uint32_t once = studio_material(&s, mix);
+        mix.materials[0] = once, mix.amount.value.r = 0.5;
+        const uint32_t ids[] = {a, b, studio_material(&s, mix)};
+        assert_true(ids[2] != 0);
+        mix.materials[1] = air;
+        assert_int_equal(sag_world_add_material(s.world, &mix), 0);
+        mix.materials[1] = 99;
+        assert_int_equal(sag_world_add_material(s.world, &mix), 0);
+        sag_world_set_appearance(s.world, s.scene, 0, &(sag_appearance){.material = ids[i]});
+        s.settings->samples_per_pixel = 256;
+        m[i] = studio_measure(&s);
+        studio_close(&s);
+    }
+    const double share = 0.25 * 0.5 + 0.5, sum = (1 - share) * m[0].mean + share * m[1].mean;
+    if (!(fabs(m[2].mean - sum) < 5 * m[2].deviation + 1e-3))
+        print_message("%g and %g: %g, not %g\n", m[0].mean, m[1].mean, m[2].mean, sum);
+    assert_true(fabs(m[2].mean - sum) < 5 * m[2].deviation + 1e-3 && m[2].deviation < 0.01);
+}
+
 // The other furnace: no light from outside, a closed room that shines itself, and lamps of every kind of
 // sampling.
 static void closed_room(void **state) {
@@ -198,8 +283,13 @@ static void closed_room(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(diffuse_and_shining), cmocka_unit_test(mirrors),     cmocka_unit_test(glass),
-        cmocka_unit_test(coats_of_white),      cmocka_unit_test(closed_room),
+        cmocka_unit_test(diffuse_and_shining),
+        cmocka_unit_test(mirrors),
+        cmocka_unit_test(glass),
+        cmocka_unit_test(coats_of_white),
+        cmocka_unit_test(closed_room),
+        cmocka_unit_test(all_white_materials),
+        cmocka_unit_test(mixes_are_weighted_sums),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,6 +18,8 @@
 
 #include <sagitta/render.h>
 
+#include "render/world.h"
+
 // Assimp 5.2 loses some kilobytes when it refuses a damaged file: not ours to mend, and not to hide our own
 // leaks.
 __attribute__((visibility("default"))) const char *__lsan_default_suppressions(void); // NOLINT: its name
@@ -337,6 +339,120 @@ static void test_shared_meshes(void **state) {
     }
 }
 
+// ---- materials
+
+#define PIXEL                                                                                                \
+    "data:image/"                                                                                            \
+    "png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGP432DsAAAGJwHz++"                  \
+    "tttAAAAABJRU5ErkJggg=="
+
+static const sagi_material *material_of(const sag_world *world, uint32_t geometry_user_data,
+                                        const sagi_appearance **look) {
+    const sagi_appearance *looks = world->appearances.items;
+    *look = &looks[geometry_user_data];
+    return (const sagi_material *)world->materials.items + ((*look)->look.material - 1);
+}
+
+// Loads a glTF triangle with this material.
+static sag_world *with_gltf_material(const char *material) {
+    static char text[8192];
+    snprintf(
+        text, sizeof text,
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+        "\"images\":[{\"uri\":\"" PIXEL "\"}],\"textures\":[{\"source\":0}],\"materials\":[%s],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}],"
+        "%s",
+        material, strstr(gltf, "\"buffers\""));
+    write_file("m.gltf", text, strlen(text));
+    sag_world *world = sag_world_create(context);
+    sag_error error;
+    if (sag_world_load(world, in_folder("m.gltf"), &error) != SAG_OK) fail_msg("%s", error.message);
+    return world;
+}
+
+static double number_at(const sag_world *world, const sag_input *input) {
+    const sagi_spot at = {.u = 0.5, .v = 0.5};
+    return sagi_input_number(world, input, &at);
+}
+
+static void test_gltf_materials(void **state) {
+    (void)state;
+    const sagi_appearance *look;
+    sag_world *world = with_gltf_material(
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.8,0.4,0.2,1],\"metallicFactor\":1,"
+        "\"roughnessFactor\":0.5}}");
+    const sagi_material *m = material_of(world, 0, &look);
+    assert_int_equal(m->material.kind, SAG_MATERIAL_CONDUCTOR);
+    assert_true(fabs(m->material.roughness_u.value.r - 0.25) < 1e-6);
+    assert_true(fabs(m->material.reflectance.value.g - 0.4) < 1e-6 && look->look.alpha.texture == 0);
+    sag_world_destroy(world);
+
+    world = with_gltf_material(
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":1,\"roughnessFactor\":0.5,"
+        "\"metallicRoughnessTexture\":{\"index\":0},\"baseColorTexture\":{\"index\":0}},"
+        "\"normalTexture\":{\"index\":0},\"alphaMode\":\"BLEND\",\"emissiveFactor\":[1,0.5,0]}");
+    m = material_of(world, 0, &look);
+    assert_int_equal(m->material.kind, SAG_MATERIAL_MIX);
+    assert_true(fabs(number_at(world, &m->material.amount) - 0.2) < 1e-3);
+    const sagi_material *all = world->materials.items;
+    const sagi_material *base = &all[m->material.materials[0] - 1],
+                        *metal = &all[m->material.materials[1] - 1];
+    assert_int_equal(base->material.kind, SAG_MATERIAL_COATED_DIFFUSE);
+    assert_int_equal(metal->material.kind, SAG_MATERIAL_CONDUCTOR);
+    assert_true(base->material.normal_map != 0 && metal->material.reflectance.texture != 0);
+    const double alpha = 128.0 / 255 * 0.5;
+    assert_true(fabs(number_at(world, &metal->material.roughness_u) - alpha * alpha) < 1e-3);
+    assert_true(fabs(number_at(world, &look->look.alpha) - 64.0 / 255) < 1e-3);
+    assert_true(look->look.emission.r == 1 && look->look.emission.g == 0.5);
+    sag_world_destroy(world);
+
+    world = with_gltf_material("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":"
+                               "{\"index\":0}},\"alphaMode\":\"MASK\",\"alphaCutoff\":0.5}");
+    m = material_of(world, 0, &look);
+    assert_int_equal(m->material.kind, SAG_MATERIAL_COATED_DIFFUSE);
+    assert_true(look->look.alpha.texture != 0 && number_at(world, &look->look.alpha) == 0);
+    sag_world_destroy(world);
+
+    world = with_gltf_material("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0},"
+                               "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}}}");
+    m = material_of(world, 0, &look);
+    if (m->material.kind != SAG_MATERIAL_DIELECTRIC)
+        print_message("this Assimp does not tell of transmission\n");
+    sag_world_destroy(world);
+}
+
+static void test_mtl_materials(void **state) {
+    (void)state;
+    static const char mtl[] = "newmtl matt\nKd 0.2 0.4 0.6\nKs 0 0 0\nNs 0\n"
+                              "newmtl shiny\nKd 0.2 0.4 0.6\nKs 0.5 0.5 0.5\nNs 98\n"
+                              "newmtl metal\nKd 0 0 0\nKs 0.9 0.8 0.3\nNs 200\n"
+                              "newmtl glass\nKd 1 1 1\nd 0.1\nNi 1.4\n"
+                              "newmtl veil\nKd 1 1 1\nd 0.75\n"
+                              "newmtl lamp\nKd 0 0 0\nKe 3 2 1\n";
+    static const char model[] =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl matt\nf 1 2 3\nusemtl shiny\nf 1 2 3\n"
+        "usemtl metal\nf 1 2 3\nusemtl glass\nf 1 2 3\nusemtl veil\nf 1 2 3\nusemtl lamp\nf 1 2 3\n";
+    write_file("m.mtl", mtl, sizeof mtl - 1);
+    write_file("m.obj", model, sizeof model - 1);
+    sag_world *world = sag_world_create(context);
+    sag_error error;
+    if (sag_world_load(world, in_folder("m.obj"), &error) != SAG_OK) fail_msg("%s", error.message);
+    static const sag_material_kind kinds[] = {SAG_MATERIAL_DIFFUSE,   SAG_MATERIAL_COATED_DIFFUSE,
+                                              SAG_MATERIAL_CONDUCTOR, SAG_MATERIAL_DIELECTRIC,
+                                              SAG_MATERIAL_DIFFUSE,   SAG_MATERIAL_DIFFUSE};
+    const sagi_appearance *look;
+    for (uint32_t i = 0; i < 6; i++)
+        if (material_of(world, i, &look)->material.kind != kinds[i]) fail_msg("material %u", i);
+    assert_true(fabs(material_of(world, 1, &look)->material.roughness_u.value.r - sqrt(0.02)) < 1e-6);
+    assert_true(fabs(material_of(world, 2, &look)->material.reflectance.value.g - 0.8) < 1e-6);
+    assert_true(fabs(material_of(world, 3, &look)->material.eta.value.r - 1.4) < 1e-6);
+    material_of(world, 4, &look);
+    assert_true(look->look.alpha.texture != 0 && fabs(number_at(world, &look->look.alpha) - 0.75) < 1e-6);
+    material_of(world, 5, &look);
+    assert_true(look->look.emission.r == 3 && look->look.emission.b == 1);
+    sag_world_destroy(world);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_order_and_number),
@@ -345,6 +461,8 @@ int main(void) {
         cmocka_unit_test(test_what_the_importer_trips_over),
         cmocka_unit_test(test_small_models_keep_their_vertices),
         cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_gltf_materials),
+        cmocka_unit_test(test_mtl_materials),
         cmocka_unit_test(test_foreign_files),
         cmocka_unit_test(test_truncated_files),
         cmocka_unit_test(test_huge_files),
