@@ -2,7 +2,7 @@
 // Materials of a pbrt scene. What the renderer has no model for becomes the nearest it has, with a warning
 // that names it. Roughness becomes Trowbridge–Reitz α as pbrt-v4 does it: α = √roughness, unless
 // remaproughness is false.
-#include "formats/pbrt.h"
+#include "formats/pbrt_medium.h"
 
 #include "render/world.h"
 
@@ -69,6 +69,41 @@ static void read_metal(sagi_pbrt *p, const char *eta, const char *k, sag_materia
 
 static sag_input read_index(sagi_pbrt *p, const char *name) {
     return sagi_pbrt_spectrum_input(p, name, SAGI_SPECTRUM_INDEX, 1.5);
+}
+
+// The reflectance of an endless depth of a medium that scatters alike to all sides the share `albedo` of what
+// it takes (van de Hulst, "Multiple Light Scattering", 1980, vol. 2, ch. 14; to 0.002).
+static double deep_reflectance(double absorption, double scattering, double g) {
+    const double reduced = scattering * (1 - g);
+    if (!(reduced > 0)) return 0;
+    const double s = sqrt(fmax(absorption, 0) / (fmax(absorption, 0) + reduced));
+    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
+}
+
+// What light that comes out elsewhere than it went in makes on the whole: a coat over the medium's
+// reflectance, or, where the whole reflectance is given, just that.
+static void read_subsurface(sagi_pbrt *p, sag_material *m) {
+    const double g = sagi_params_float(&p->params, "g", 0);
+    char name[128];
+    sagi_params_string(&p->params, "name", "", name, sizeof name);
+    if (sagi_params_find(&p->params, "reflectance", ~0u)) {
+        m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
+        return;
+    }
+    sag_rgb absorption = {0.0011, 0.0024, 0.014}, scattering = {2.55, 3.21, 3.77};
+    if (sagi_params_find(&p->params, "sigma_a", ~0u) && sagi_params_find(&p->params, "sigma_s", ~0u)) {
+        absorption = sagi_pbrt_spectrum_input(p, "sigma_a", SAGI_SPECTRUM_INDEX, 1).value;
+        scattering = sagi_pbrt_spectrum_input(p, "sigma_s", SAGI_SPECTRUM_INDEX, 1).value;
+    } else if (name[0] && !sagi_pbrt_substance(name, &absorption, &scattering)) {
+        sagi_params_fail(&p->params, sagi_params_find(&p->params, "name", ~0u),
+                         "there is no substance \"%.100s\"", name);
+    }
+    m->kind = SAG_MATERIAL_COATED_DIFFUSE;
+    m->reflectance.value = (sag_rgb){deep_reflectance(absorption.r, scattering.r, g),
+                                     deep_reflectance(absorption.g, scattering.g, g),
+                                     deep_reflectance(absorption.b, scattering.b, g)};
+    m->eta = sagi_pbrt_spectrum_input(p, "eta", SAGI_SPECTRUM_INDEX, 1.33);
+    read_own_roughness(p, m);
 }
 
 static void warn_nearest(sagi_pbrt *p, sagi_place place, const char *kind, const char *nearest) {
@@ -156,8 +191,10 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         read_mix(p, m);
     } else if (strcmp(kind, "interface") == 0 || strcmp(kind, "none") == 0 || kind[0] == '\0') {
         m->kind = SAG_MATERIAL_INTERFACE;
-    } else if (strcmp(kind, "subsurface") == 0 || strcmp(kind, "hair") == 0 ||
-               strcmp(kind, "measured") == 0) {
+    } else if (strcmp(kind, "subsurface") == 0) {
+        read_subsurface(p, m);
+        warn_nearest(p, place, kind, "a coated diffuse one of its whole reflectance");
+    } else if (strcmp(kind, "hair") == 0 || strcmp(kind, "measured") == 0) {
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
         warn_nearest(p, place, kind, "a diffuse one");
     } else {

@@ -233,10 +233,12 @@ static echo echo_of(const walk *l, const crossing *in) {
 
 // The phase function of a particle at height z, from w to w2 and its echoes, as seen by `connected`.
 static sagi_spectrum phase_towards(const walk *l, double z, sag_vec3 w, sag_vec3 light, const echo *e) {
+    const sagi_spectrum up = (float)sagi_phase(l->whole->g, -sag_dot(w, light)) * e->up;
+    if (sagi_spectrum_is_black(e->down)) return up;
     const sag_vec3 down = sag_vec3_make(light.x, light.y, -light.z);
-    const double g = l->whole->g, below = sagi_phase(g, -sag_dot(w, down)) * passing(z, down) /
-                                          passing(l->whole->thickness - z, light);
-    return (float)sagi_phase(g, -sag_dot(w, light)) * e->up + (float)below * e->down;
+    const double left = passing(l->whole->thickness - z, light);
+    if (!(left > 0)) return up;
+    return up + (float)(sagi_phase(l->whole->g, -sag_dot(w, down)) * passing(z, down) / left) * e->down;
 }
 
 // One walk; f without |cos θi|, times η².

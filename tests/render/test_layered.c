@@ -239,12 +239,33 @@ static void nothing_is_lost_or_made(void **state) {
         }
 }
 
+// Grazing light through rough fog was NaN: nothing passed, and was divided by.
+static void grazing_directions_are_numbers(void **state) {
+    (void)state;
+    rng r = rng_make(35);
+    for (size_t c = 0; c < CASE_COUNT; c++)
+        for (uint64_t i = 0; i < 20000; i++) {
+            const double z[2] = {pow(10, -8 * rng_unit(&r)), pow(10, -8 * rng_unit(&r))};
+            sag_vec3 w[2];
+            for (int k = 0; k < 2; k++) {
+                const double phi = 2 * SAGI_RENDER_PI * rng_unit(&r), s = sqrt(1 - z[k] * z[k]);
+                w[k] = sag_vec3_make(s * cos(phi), s * sin(phi), z[k]);
+            }
+            const sagi_bsdf bsdf = make(&cases[c], w[0], i);
+            double pdf;
+            assert_true(sagi_spectrum_is_finite(sagi_bsdf_eval(&bsdf, w[1], &pdf)) && isfinite(pdf));
+            sagi_bsdf_sample sample;
+            if (sagi_bsdf_sample_wi(&bsdf, rng_unit(&r), (sag_vec2){rng_unit(&r), rng_unit(&r)}, &sample))
+                assert_true(sagi_spectrum_is_finite(sample.weight) &&
+                            (sample.specular || isfinite(sample.pdf)));
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(walks_agree_with_the_slow_one),
-        cmocka_unit_test(densities_are_densities),
-        cmocka_unit_test(walks_are_reciprocal),
-        cmocka_unit_test(nothing_is_lost_or_made),
+        cmocka_unit_test(walks_agree_with_the_slow_one),  cmocka_unit_test(densities_are_densities),
+        cmocka_unit_test(walks_are_reciprocal),           cmocka_unit_test(nothing_is_lost_or_made),
+        cmocka_unit_test(grazing_directions_are_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
