@@ -9,8 +9,6 @@
 // Wavefront's MTL has Kd, Ks, the exponent Ns of Phong's highlight and d, how opaque it is. A highlight cosⁿ
 // is about as wide as that of facets of α = √(2/(n + 2)) (Walter et al. 2007). So Ks makes a coat, or a metal
 // where there is no Kd; what is hardly opaque is glass.
-//
-// What shines by a picture shines evenly by its mean.
 #include "formats/import_material.h"
 
 #include "formats/file.h"
@@ -277,22 +275,13 @@ static void read_alpha(const sagi_import_source *s, const struct aiMaterial *fro
 static void read_emission(const sagi_import_source *s, const struct aiMaterial *from, sag_appearance *look) {
     if (!get_color(from, AI_MATKEY_COLOR_EMISSIVE, &look->emission) || most(look->emission) == 0) return;
     const double strength = get_number(from, AI_MATKEY_EMISSIVE_INTENSITY, 1);
-    sag_rgb mean = {strength, strength, strength};
-    struct aiString name;
-    sag_image image;
-    if (find_texture(from, aiTextureType_EMISSIVE, &name) &&
-        read_image(s, &name, SAG_ENCODING_DEFAULT, &image)) {
-        const size_t count = (size_t)image.width * image.height;
-        double sum[3] = {0, 0, 0};
-        for (size_t i = 0; i < count; i++)
-            for (uint32_t c = 0; c < 3; c++)
-                sum[c] += (double)image.pixels[i * image.channels + (image.channels >= 3 ? c : 0)];
-        mean = (sag_rgb){strength * sum[0] / (double)count, strength * sum[1] / (double)count,
-                         strength * sum[2] / (double)count};
-        sag_image_clear(sag_world_context(s->world), &image);
-    }
     look->emission =
-        (sag_rgb){look->emission.r * mean.r, look->emission.g * mean.g, look->emission.b * mean.b};
+        (sag_rgb){look->emission.r * strength, look->emission.g * strength, look->emission.b * strength};
+    struct aiString name;
+    if (!find_texture(from, aiTextureType_EMISSIVE, &name)) return;
+    sag_texture texture = {.kind = SAG_TEXTURE_IMAGE};
+    texture.picture = add_picture(s, &name, SAG_ENCODING_DEFAULT);
+    if (texture.picture != 0) look->emission_texture = sag_world_add_texture(s->world, &texture);
 }
 
 bool sagi_import_look(const sagi_import_source *s, const struct aiMaterial *from, sag_appearance *look) {

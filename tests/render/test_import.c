@@ -387,10 +387,11 @@ static void test_gltf_materials(void **state) {
     assert_true(fabs(m->material.reflectance.value.g - 0.4) < 1e-6 && look->look.alpha.texture == 0);
     sag_world_destroy(world);
 
-    world = with_gltf_material(
-        "{\"pbrMetallicRoughness\":{\"metallicFactor\":1,\"roughnessFactor\":0.5,"
-        "\"metallicRoughnessTexture\":{\"index\":0},\"baseColorTexture\":{\"index\":0}},"
-        "\"normalTexture\":{\"index\":0},\"alphaMode\":\"BLEND\",\"emissiveFactor\":[1,0.5,0]}");
+    world =
+        with_gltf_material("{\"pbrMetallicRoughness\":{\"metallicFactor\":1,\"roughnessFactor\":0.5,"
+                           "\"metallicRoughnessTexture\":{\"index\":0},\"baseColorTexture\":{\"index\":0}},"
+                           "\"normalTexture\":{\"index\":0},\"alphaMode\":\"BLEND\",\"emissiveFactor\":[1,0."
+                           "5,0],\"emissiveTexture\":{\"index\":0}}");
     m = material_of(world, 0, &look);
     assert_int_equal(m->material.kind, SAG_MATERIAL_MIX);
     assert_true(fabs(number_at(world, &m->material.amount) - 0.2) < 1e-3);
@@ -403,7 +404,8 @@ static void test_gltf_materials(void **state) {
     const double alpha = 128.0 / 255 * 0.5;
     assert_true(fabs(number_at(world, &metal->material.roughness_u) - alpha * alpha) < 1e-3);
     assert_true(fabs(number_at(world, &look->look.alpha) - 64.0 / 255) < 1e-3);
-    assert_true(look->look.emission.r == 1 && look->look.emission.g == 0.5);
+    assert_true(look->look.emission.r == 1 && look->look.emission.g == 0.5 &&
+                look->look.emission_texture != 0);
     sag_world_destroy(world);
 
     world = with_gltf_material("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":"
