@@ -9,6 +9,7 @@
 #include <cmocka.h>
 // clang-format on
 #include "render/light.h"
+#include "support/failing_allocator.h"
 #include "support/picture.h"
 #include "support/random.h"
 
@@ -224,12 +225,63 @@ static void bad_lights_are_refused(void **state) {
     }
 }
 
+// Lights of all kinds, some in instances, made ready for rendering. True when there was memory for all.
+static bool furnish_and_prepare(sag_context *context) {
+    static const float corners[] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};
+    static const uint32_t faces[] = {0, 1, 2, 0, 2, 3};
+    const sag_mesh mesh = {
+        .positions_f32 = corners, .vertex_count = 4, .triangles = faces, .triangle_count = 2};
+    sag_world *world = sag_world_create(context);
+    sag_scene *scene = world ? sag_world_add_object(world) : NULL;
+    sag_error error = {.status = SAG_OK};
+    bool good = scene != NULL;
+    if (good) {
+        sag_settings *settings = sag_world_settings(world);
+        settings->film.width = settings->film.height = 4;
+        const sag_appearance look = {.emission = {1, 1, 1}};
+        const uint32_t id = sag_add_mesh(scene, &mesh);
+        good = id != SAG_INVALID_ID && sag_world_set_appearance(world, scene, id, &look) == SAG_OK &&
+               sag_scene_commit(scene, &error) == SAG_OK;
+        for (int i = 0; i < 3 && good; i++) {
+            const sag_affine there = sag_affine_translate(sag_vec3_make(3 * i, 0, 0));
+            good = sag_add_instance(sag_world_scene(world), scene, &there) != SAG_INVALID_ID;
+        }
+    }
+    for (int i = 0; i < 4 && good; i++) {
+        sag_light light = {.kind = i == 3 ? SAG_LIGHT_GONIOMETRIC : SAG_LIGHT_INFINITE,
+                           .color = {1, 1, 1},
+                           .has_portal = i == 1 || i == 2};
+        for (int k = 0; k < 4; k++) light.portal[k] = window[k];
+        good = i == 2 || sag_image_create(context, 4, 4, 3, &light.image, &error) == SAG_OK;
+        good = good && sag_world_add_light(world, &light) != 0;
+    }
+    sag_render *render = good ? sag_render_create(world, &error) : NULL;
+    good = render != NULL;
+    sag_render_destroy(render);
+    sag_world_destroy(world);
+    return good;
+}
+
+static void memory_may_run_out(void **state) {
+    (void)state;
+    for (size_t k = 0;; k++) {
+        failing_allocator f = {.fail_at = k};
+        sag_context *context = sag_context_create(
+            &(sag_context_options){.thread_count = 1, .allocator = failing_allocator_make(&f)});
+        const bool done = context && furnish_and_prepare(context);
+        sag_context_destroy(context);
+        failing_allocator_assert_empty(&f);
+        if (done) break;
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(beams_have_the_power_of_their_pictures),
         cmocka_unit_test(light_from_far_is_sampled_as_it_comes),
         cmocka_unit_test(window_over_a_floor),
         cmocka_unit_test(bad_lights_are_refused),
+        cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
