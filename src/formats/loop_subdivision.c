@@ -19,6 +19,7 @@
 // The children of triangle t are 4t + k at its corners k, and 4t + 3 in the middle with the new vertices as
 // corners: so all twins of a level follow from those of the level before.
 #include "formats/loop_subdivision.h"
+#include "math/elementary.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -189,7 +190,7 @@ static sag_vec3 normal_at(const level *l, uint32_t vertex) {
         const sag_vec3 q = ring_point(l, &r, j);
         double across = 0, along = (j + 1 == n) - (double)(j == 0);
         if (!r.border)
-            along = cos(2 * PI * j / n), across = sin(2 * PI * j / n);
+            along = sagi_cos(2 * PI * j / n), across = sagi_sin(2 * PI * j / n);
         else if (n == 2)
             across = 1;
         else if (n == 3)
@@ -197,7 +198,8 @@ static sag_vec3 normal_at(const level *l, uint32_t vertex) {
         else if (n == 4)
             across = j == 1 || j == 2 ? 2 : -1;
         else
-            across = j == 0 || j + 1 == n ? -sin(angle) : (2 - 2 * cos(angle)) * sin(j * angle);
+            across =
+                j == 0 || j + 1 == n ? -sagi_sin(angle) : (2 - 2 * sagi_cos(angle)) * sagi_sin(j * angle);
         // Differences from p: the weights' sums are worked off below, and large coordinates cancel early.
         s = sag_add(s, sag_scale(sag_sub(q, p), along));
         t = sag_add(t, sag_scale(sag_sub(q, p), across));

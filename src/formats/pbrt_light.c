@@ -3,6 +3,7 @@
 // primaries as it is; a light given as a spectrum or black body has its colour at luminance 1, "scale" is the
 // amount; "power" and "illuminance" replace the amount for a light of that shape.
 #include "formats/pbrt.h"
+#include "math/elementary.h"
 
 #include "render/portal.h"
 #include "render/warp.h"
@@ -62,7 +63,7 @@ static sag_status spot_light(sagi_pbrt *p, double scale) {
     if (delta > cone) delta = fmax(0, cone - fabs(cone - delta));
     const double power = sagi_params_float(params, "power", -1);
     if (power > 0) {
-        const double start = cos(cone - delta), end = cos(cone);
+        const double start = sagi_cos(cone - delta), end = sagi_cos(cone);
         scale *= power / (2 * PI * ((1 - start) + (start - end) / 2));
     }
     sag_light light = {.kind = SAG_LIGHT_SPOT,
@@ -243,7 +244,7 @@ typedef struct screen {
 static double screen_weight(const void *user, double x, double y) {
     const screen *s = user;
     const double px = (2 * x - 1) * s->x, py = (2 * y - 1) * s->y;
-    return pow(1 + px * px + py * py, -1.5);
+    return sagi_pow(1 + px * px + py * py, -1.5);
 }
 
 static sag_status projection_light(sagi_pbrt *p, double scale) {
@@ -258,7 +259,7 @@ static sag_status projection_light(sagi_pbrt *p, double scale) {
     if (!light.image.pixels) return sagi_params_fail(params, NULL, "the picture's \"filename\" is missing");
     light.fov_rad = fov * (PI / 180);
     if (power > 0) {
-        const double opposite = tan(light.fov_rad / 2),
+        const double opposite = sagi_tan(light.fov_rad / 2),
                      aspect = (double)light.image.width / light.image.height;
         const screen s = {opposite * fmax(1, aspect), opposite * fmax(1, 1 / aspect)};
         const double whole = 4 * s.x * s.y * weighed_luminance(&light.image, screen_weight, &s);

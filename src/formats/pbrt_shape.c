@@ -6,6 +6,7 @@
 // transform. Sides: the scene keeps outside outside under mirroring maps, which is what pbrt's "swaps
 // handedness" does for a normal made by a cross product; so ReverseOrientation alone turns the front.
 #include "formats/pbrt_shape.h"
+#include "math/elementary.h"
 
 #include "formats/pbrt_later.h"
 #include "formats/pbrt_solid.h"
@@ -46,7 +47,7 @@ static double emission_scale(const sagi_pbrt *p, double area) {
 
 double sagi_pbrt_area_factor(const sagi_pbrt *p) {
     const sag_affine now = sagi_pbrt_transform_now(p);
-    const double factor = cbrt(fabs(sag_affine_determinant(&now)));
+    const double factor = sagi_cbrt(fabs(sag_affine_determinant(&now)));
     return factor * factor;
 }
 

@@ -2,6 +2,7 @@
 // The stage for a model that comes alone: a ground under it, sky and sun, and a camera that sees all of it
 // from a little above, three quarters from the front. For geometry only, nothing of this.
 #include "formats/import.h"
+#include "math/elementary.h"
 
 #include <math.h>
 #include <string.h>
@@ -75,7 +76,8 @@ static double distance_for(sag_vec3 point, sag_vec3 forward, sag_vec3 right, sag
 static void place_camera(sag_camera *camera, const sag_box3 *box) {
     const sag_vec3 center = sag_scale(sag_add(box->min, box->max), 0.5);
     const double turn = 30 * RADIANS, rise = 17 * RADIANS, fov = 32 * RADIANS;
-    const sag_vec3 backward = {sin(turn) * cos(rise), sin(rise), cos(turn) * cos(rise)},
+    const sag_vec3 backward = {sagi_sin(turn) * sagi_cos(rise), sagi_sin(rise),
+                               sagi_cos(turn) * sagi_cos(rise)},
                    forward = sag_neg(backward);
     const sag_vec3 right = sag_normalize(sag_cross(forward, sag_vec3_make(0, 1, 0))),
                    up = sag_cross(right, forward);
@@ -83,7 +85,8 @@ static void place_camera(sag_camera *camera, const sag_box3 *box) {
     for (int i = 0; i < 8; i++) {
         const sag_vec3 corner = {i & 1 ? box->max.x : box->min.x, i & 2 ? box->max.y : box->min.y,
                                  i & 4 ? box->max.z : box->min.z};
-        distance = fmax(distance, distance_for(sag_sub(corner, center), forward, right, up, tan(fov / 2)));
+        distance =
+            fmax(distance, distance_for(sag_sub(corner, center), forward, right, up, sagi_tan(fov / 2)));
     }
     camera->kind = SAG_CAMERA_PERSPECTIVE;
     camera->fov_rad = fov;

@@ -3,6 +3,7 @@
 // (equal-area mapping), and projectors, whose picture stands at distance 1 on the axis z and is as high as 2
 // tan(fov/2), or as wide, whichever is less. A projected pixel of area dA is seen under dω = cos³θ dA.
 #include "light.h"
+#include "math/elementary.h"
 #include "warp.h"
 
 static double cube_of_cosine(double x, double y) {
@@ -24,7 +25,7 @@ sag_status sagi_beam_init(sagi_light *light, sag_error *error) {
         return sag_error_set(error, SAG_ERROR_ARGUMENT, "a projection light's fov is %g rad", fov);
     const sag_status status = sagi_light_place(light, error);
     if (status != SAG_OK) return status;
-    const double opposite = tan(fov / 2), aspect = (double)image->width / image->height;
+    const double opposite = sagi_tan(fov / 2), aspect = (double)image->width / image->height;
     light->screen = (sag_vec2){opposite * fmax(1, aspect), opposite * fmax(1, 1 / aspect)};
     double sum = 0, all = 0;
     for (uint32_t y = 0; y < image->height; y++)

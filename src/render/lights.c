@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Preparing the lights of a world, and how one of them is chosen.
 #include "light.h"
+#include "math/elementary.h"
 
 #include <string.h>
 
@@ -45,8 +46,8 @@ static sag_status init_light(sagi_light *light, const sag_light *description, co
         if (!(cone > 0 && cone <= SAGI_RENDER_PI) || !(delta >= 0 && delta <= cone))
             return sag_error_set(error, SAG_ERROR_ARGUMENT, "spot light %u has a cone of %g rad, delta %g",
                                  id, cone, delta);
-        light->cos_cone = cos(cone);
-        light->cos_full = cos(cone - delta);
+        light->cos_cone = sagi_cos(cone);
+        light->cos_full = sagi_cos(cone - delta);
     }
     light->axis = sag_normalize(description->kind == SAG_LIGHT_DISTANT ? sag_neg(along) : along);
     if (description->kind == SAG_LIGHT_INFINITE)

@@ -2,6 +2,7 @@
 // Warps of the unit square. All keep areas in proportion, so that well spread numbers make well spread
 // points.
 #include "warp.h"
+#include "math/elementary.h"
 
 sag_vec2 sagi_warp_disk(sag_vec2 u) {
     double a = 2 * u.x - 1, b = 2 * u.y - 1;
@@ -14,8 +15,9 @@ sag_vec2 sagi_warp_disk(sag_vec2 u) {
         radius = b;
         angle = SAGI_RENDER_PI / 2 - SAGI_RENDER_PI / 4 * (a / b);
     }
-    double x = radius * cos(angle), y = radius * sin(angle);
-    return (sag_vec2){x, y};
+    double sine, cosine;
+    sagi_sincos(angle, &sine, &cosine);
+    return (sag_vec2){radius * cosine, radius * sine};
 }
 
 sag_vec3 sagi_warp_cosine(sag_vec2 u) {
@@ -25,7 +27,9 @@ sag_vec3 sagi_warp_cosine(sag_vec2 u) {
 
 sag_vec3 sagi_warp_sphere(sag_vec2 u) {
     double z = 1 - 2 * u.x, r = sqrt(fmax(0, 1 - z * z)), phi = 2 * SAGI_RENDER_PI * u.y;
-    return sag_vec3_make(r * cos(phi), r * sin(phi), z);
+    double sine, cosine;
+    sagi_sincos(phi, &sine, &cosine);
+    return sag_vec3_make(r * cosine, r * sine, z);
 }
 
 // Density a at 0 and b at 1, linear between: where the distribution function is u (a + b)/2.
@@ -60,13 +64,15 @@ sag_vec3 sagi_equal_area_to_sphere(sag_vec2 p) {
     double phi = (r == 0 ? 1 : (fabs(b) - fabs(a)) / r + 1) * SAGI_RENDER_PI / 4;
     double z = copysign(1 - r * r, from_fold);
     double s = r * sqrt(fmax(0, 2 - r * r));
-    return sag_vec3_make(copysign(cos(phi), a) * s, copysign(sin(phi), b) * s, z);
+    double sine, cosine;
+    sagi_sincos(phi, &sine, &cosine);
+    return sag_vec3_make(copysign(cosine, a) * s, copysign(sine, b) * s, z);
 }
 
 sag_vec2 sagi_equal_area_from_sphere(sag_vec3 d) {
     double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
     double r = sqrt(fmax(0, 1 - z));
-    double phi = x == 0 && y == 0 ? 0 : atan2(y, x) * (2 / SAGI_RENDER_PI); // in [0, 1]
+    double phi = x == 0 && y == 0 ? 0 : sagi_atan2(y, x) * (2 / SAGI_RENDER_PI); // in [0, 1]
     double b = phi * r, a = r - b;
     if (d.z < 0) {
         double swap = a;
