@@ -27,6 +27,7 @@ typedef struct sagi_bsdf {
     sagi_microfacet facets;
     // Of coats that are walked through, see layered.c: the coat's facets, the albedo and mean cosine of what
     // is in it, and where its random numbers begin.
+    const float *rough_share; // of a rough coat with a formula: sagi_coat_table; else NULL
     bool layered;
     uint32_t walks;
     uint64_t seed;
@@ -66,6 +67,12 @@ bool sagi_dielectric_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sa
 bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sample);
 sagi_spectrum sagi_layered_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_layered_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
+// Of a rough coat (ior, coat, thickness) over a Lambertian base: how much more passes than through a smooth
+// one, at cosines (i + ½)/SAGI_COAT_STEPS; returns inner_mean.
+#define SAGI_COAT_STEPS 32
+double sagi_coat_table(const sagi_bsdf *coat, float shares[SAGI_COAT_STEPS]);
+// What passes a smooth coat in direction w, w.z > 0, one way, given its reflectance there.
+double sagi_coat_transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance);
 // Once color and the coat's numbers are known.
 void sagi_coated_prepare(sagi_bsdf *bsdf);
 sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);

@@ -5,7 +5,8 @@
 //     f = (1 − F(θi)) (1 − F(θo)) ρ/(π η² (1 − ρ r)),   r = 1 − (1 − mean F)/η²
 // (1/η² because radiance inside is compressed). Integrated over wi this is (1 − F(θo)) ρ (1 − r)/(1 − ρ r):
 // with the coat's own F(θo) exactly 1 for ρ = 1, so nothing is lost or made. A rough coat replaces the mirror
-// by facets and keeps the rest.
+// by facets. A Lambertian base forgets where light came from, so the rest keeps its form: what passes one way
+// and r are other functions of the angle, tabulated for each material (layered.c).
 //
 // pbrt-v4 makes a random walk of it that loses a little more, and pictures are compared with its: the coat
 // absorbs exp(−τ/μ') on each way through (τ its thickness, μ' the cosine inside), so that r becomes ∫ F
@@ -29,11 +30,21 @@ void sagi_coated_prepare(sagi_bsdf *bsdf) {
     bsdf->base = bsdf->color * bounces_sum(bsdf->color * (float)bsdf->inner_mean, bsdf->bounces);
 }
 
-// What gets through the coat in direction w, w.z > 0, one way, given its reflectance there.
-static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
+double sagi_coat_transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
     if (!(bsdf->thickness > 0)) return 1 - reflectance;
     double inside = sqrt(1 - fmin(1, 1 - w.z * w.z) / (bsdf->ior * bsdf->ior));
     return (1 - reflectance) * sagi_exp(-bsdf->thickness / inside);
+}
+
+// The same of a rough one.
+static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
+    const double smooth = sagi_coat_transmittance(bsdf, w, reflectance);
+    if (!bsdf->rough_share) return smooth;
+    const double x = sagi_clamp(w.z * SAGI_COAT_STEPS - 0.5, 0, SAGI_COAT_STEPS - 1);
+    const int i = x < SAGI_COAT_STEPS - 2 ? (int)x : SAGI_COAT_STEPS - 2;
+    const double share =
+        (double)bsdf->rough_share[i] * (1 - (x - i)) + (double)bsdf->rough_share[i + 1] * (x - i);
+    return fmin(smooth * share, 1);
 }
 
 static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {

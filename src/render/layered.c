@@ -384,3 +384,28 @@ bool sagi_layered_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_
     sample->wi = upward(bsdf, sample->wi);
     return true;
 }
+
+// ---- what a rough coat lets through
+
+// Means over facets, by their visible normals; then over the cosine-weighted hemisphere inside.
+double sagi_coat_table(const sagi_bsdf *coat, float shares[SAGI_COAT_STEPS]) {
+    enum { SIDE = 16 };
+    double inner_mean = 0;
+    for (int i = 0; i < SAGI_COAT_STEPS; i++) {
+        const double z = (i + 0.5) / SAGI_COAT_STEPS, across = sqrt(1 - z * z);
+        const sag_vec3 outside = sag_vec3_make(across, 0, z), inside = sag_vec3_make(across, 0, -z);
+        double through = 0, back = 0;
+        for (int k = 0; k < SIDE * SIDE; k++) {
+            const int column = k % SIDE, row = k / SIDE;
+            const sag_vec2 u = {(column + 0.5) / SIDE, (row + 0.5) / SIDE};
+            crossing c;
+            if (go_through(coat, outside, u, &c)) through += c.weight * passing(coat->thickness, c.w);
+            if (turn_back(coat, inside, u, &c)) back += c.weight * passing(coat->thickness, c.w);
+        }
+        through /= SIDE * SIDE, back /= SIDE * SIDE;
+        const double smooth = sagi_coat_transmittance(coat, outside, sagi_fresnel_dielectric(z, coat->ior));
+        shares[i] = (float)(through / smooth);
+        inner_mean += back * passing(coat->thickness, inside) * 2 * z / SAGI_COAT_STEPS;
+    }
+    return inner_mean;
+}

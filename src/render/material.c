@@ -4,9 +4,6 @@
 #include "fresnel.h"
 #include "math/hash.h"
 
-// Below this α the facets' highlight is narrower than anything a picture shows: a mirror (as pbrt has it).
-#define SMOOTH_ALPHA 1e-3
-
 void sagi_orient(const sagi_appearance *appearance, sag_surface *surface) {
     if (sag_dot(surface->geometric_normal, surface->shading_normal) < 0)
         surface->geometric_normal = sag_neg(surface->geometric_normal);
@@ -21,8 +18,8 @@ static sagi_microfacet read_facets(const sag_world *world, const sag_input *u, c
     double ax = sagi_input_number(world, u, at);
     double ay = sagi_input_number(world, v, at);
     if (is_root) ax = sqrt(fmax(ax, 0)), ay = sqrt(fmax(ay, 0));
-    if (!(fmax(ax, ay) >= SMOOTH_ALPHA)) return (sagi_microfacet){0, 0};
-    return (sagi_microfacet){sagi_clamp(ax, SMOOTH_ALPHA, 1e3), sagi_clamp(ay, SMOOTH_ALPHA, 1e3)};
+    if (!(fmax(ax, ay) >= SAGI_SMOOTH_ALPHA)) return (sagi_microfacet){0, 0};
+    return (sagi_microfacet){sagi_clamp(ax, SAGI_SMOOTH_ALPHA, 1e3), sagi_clamp(ay, SAGI_SMOOTH_ALPHA, 1e3)};
 }
 
 static sagi_microfacet read_roughness(const sag_world *world, const sag_material *material,
@@ -127,12 +124,14 @@ static void read_material(const sag_world *world, const sagi_material *entry, co
     case SAG_MATERIAL_COATED_DIFFUSE:
         read_index(&entry->eta, lambda, bsdf);
         bsdf->color = read_albedo(world, &material->reflectance, &entry->reflectance, at, lambda);
-        if (wants_walk(material)) {
-            bsdf->coat = read_roughness(world, material, at);
+        bsdf->facets = read_roughness(world, material, at);
+        if (wants_walk(material) || (bsdf->facets.ax > 0 && !entry->has_shares && bsdf->ior != 1)) {
+            bsdf->coat = bsdf->facets;
+            bsdf->facets = (sagi_microfacet){0, 0};
             read_walk(world, entry, at, lambda, bsdf);
             break;
         }
-        bsdf->facets = read_roughness(world, material, at);
+        if (entry->has_shares) bsdf->rough_share = entry->rough_share;
         bsdf->inner_mean = entry->inner_mean;
         bsdf->thickness = material->thickness.value.r;
         bsdf->bounces = material->bounces;

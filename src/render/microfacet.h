@@ -6,6 +6,9 @@
 
 #include "color.h"
 
+// Below this α the facets' highlight is narrower than anything a picture shows: a mirror (as pbrt has it).
+#define SAGI_SMOOTH_ALPHA 1e-3
+
 typedef struct sagi_microfacet {
     double ax, ay; // roughness α along the frame's x and y, > 0
 } sagi_microfacet;

@@ -141,6 +141,18 @@ static sag_rgb mirror_color(const sagi_color *eta, const sagi_color *k) {
     return sagi_color_to_rgb(&color, SAG_COLOR_SRGB, false);
 }
 
+// The facets of a coat that are the same everywhere and in all directions; else 0.
+static sagi_microfacet plain_facets(const sag_material *material) {
+    const sag_input *u = &material->roughness_u, *v = &material->roughness_v;
+    double alpha = u->value.r;
+    if (u->texture || v->texture || u->spectrum || v->spectrum || alpha != v->value.r)
+        return (sagi_microfacet){0, 0};
+    if (material->roughness_is_root) alpha = sqrt(fmax(alpha, 0));
+    if (!(alpha >= SAGI_SMOOTH_ALPHA)) return (sagi_microfacet){0, 0};
+    alpha = fmin(alpha, 1e3);
+    return (sagi_microfacet){alpha, alpha};
+}
+
 // What of a material does not change over the surface.
 static void prepare_material(const sag_world *world, sagi_material *entry) {
     const sag_material *material = &entry->material;
@@ -157,7 +169,12 @@ static void prepare_material(const sag_world *world, sagi_material *entry) {
     entry->eta = index_color(world, &material->eta);
     if (material->kind != SAG_MATERIAL_COATED_DIFFUSE) return;
     const double eta = sagi_color_at_first(&entry->eta, sagi_spectrum_all(560));
-    entry->inner_mean = sagi_fresnel_inner_mean(eta > 0 ? eta : 1.5, fmax(material->thickness.value.r, 0));
+    const sagi_bsdf coat = {.ior = eta > 0 ? eta : 1.5,
+                            .thickness = fmax(material->thickness.value.r, 0),
+                            .coat = plain_facets(material)};
+    entry->has_shares = coat.coat.ax > 0 && coat.ior != 1;
+    entry->inner_mean = entry->has_shares ? sagi_coat_table(&coat, entry->rough_share)
+                                          : sagi_fresnel_inner_mean(coat.ior, coat.thickness);
 }
 
 static bool is_mixable(const sag_world *world, uint32_t id) {

@@ -31,9 +31,11 @@ typedef struct sagi_texture {
 typedef struct sagi_material {
     sag_material material;
     sagi_color reflectance, transmittance, eta, k, coat_eta, coat_albedo; // where they are no textures
-    sag_rgb mirror;       // of a metal without textures: its colour at normal incidence
-    double inner_mean;    // of a coat
-    bool wants_footprint; // of one of its textures
+    sag_rgb mirror;    // of a metal without textures: its colour at normal incidence
+    double inner_mean; // of a coat
+    bool has_shares;
+    float rough_share[SAGI_COAT_STEPS]; // of a rough coat, where has_shares
+    bool wants_footprint;               // of one of its textures
 } sagi_material;
 
 // The look of one geometry; its user data is the id.

@@ -106,6 +106,44 @@ static bool slow_walk(const sagi_bsdf *whole, sag_vec3 wo, rng *r, sag_vec3 *wi,
     return false;
 }
 
+// What a coat with a formula scatters altogether is what the slow walk says.
+static void formulas_agree_with_the_slow_walk(void **state) {
+    (void)state;
+    enum { COUNT = 40000 };
+    rng r = rng_make(36);
+    static const double roughness[] = {0, 0.1, 0.3}, slack[] = {0.008, 0.008, 0.008};
+    for (int c = 0; c < 3; c++)
+        for (int w = 0; w < 3; w++)
+            for (int thick = 0; thick < 2; thick++) {
+                sagi_bsdf bsdf = {.kind = SAG_MATERIAL_COATED_DIFFUSE, .ior = 1.5, .bounces = 5};
+                bsdf.color = sagi_spectrum_all(0.7);
+                bsdf.thickness = thick ? 0.2 : 0.01;
+                bsdf.facets = bsdf.coat = (sagi_microfacet){roughness[c], roughness[c]};
+                float shares[SAGI_COAT_STEPS];
+                bsdf.inner_mean =
+                    c ? sagi_coat_table(&bsdf, shares) : sagi_fresnel_inner_mean(bsdf.ior, bsdf.thickness);
+                if (c) bsdf.rough_share = shares;
+                sagi_coated_prepare(&bsdf);
+                const coat_case one = {"", bsdf};
+                bsdf = make(&one, outgoing(w), 0);
+                double slow = 0, formula = 0;
+                for (int i = 0; i < COUNT; i++) {
+                    sag_vec3 wi;
+                    double weight;
+                    bool specular;
+                    if (slow_walk(&bsdf, outgoing(w), &r, &wi, &weight, &specular)) slow += weight / COUNT;
+                    sagi_bsdf_sample sample;
+                    const sag_vec2 u = {rng_unit(&r), rng_unit(&r)};
+                    if (sagi_bsdf_sample_wi(&bsdf, rng_unit(&r), u, &sample))
+                        formula += (double)sample.weight[0] / COUNT;
+                }
+                if (!(fabs(slow - formula) < slack[c]))
+                    print_message("roughness %g, thickness %g, wo %d: %g, not %g\n", roughness[c],
+                                  bsdf.thickness, w, formula, slow);
+                assert_true(fabs(slow - formula) < slack[c]);
+            }
+}
+
 typedef struct tally {
     double sum[CELLS + 1], squares[CELLS + 1]; // the last one is for single directions
 } tally;
@@ -140,7 +178,7 @@ static void compare(const char *name, int w, const char *what, const tally *a, c
 
 static void walks_agree_with_the_slow_one(void **state) {
     (void)state;
-    enum { COUNT = 20000 };
+    enum { COUNT = 12000 };
     rng r = rng_make(31);
     for (size_t c = 0; c < CASE_COUNT; c++)
         for (int w = 0; w < 3; w++) {
@@ -175,7 +213,7 @@ static void walks_agree_with_the_slow_one(void **state) {
 // The density is an estimate, but one of a density: it is 1 altogether or less.
 static void densities_are_densities(void **state) {
     (void)state;
-    enum { COUNT = 100000 };
+    enum { COUNT = 40000 };
     rng r = rng_make(32);
     for (size_t c = 1; c < CASE_COUNT; c++)
         for (int w = 0; w < 3; w++) {
@@ -195,7 +233,7 @@ static void densities_are_densities(void **state) {
 
 static void walks_are_reciprocal(void **state) {
     (void)state;
-    enum { COUNT = 20000 };
+    enum { COUNT = 12000 };
     rng r = rng_make(33);
     for (size_t c = 1; c < CASE_COUNT; c++)
         for (int i = 0; i < 4; i++) {
@@ -215,7 +253,7 @@ static void walks_are_reciprocal(void **state) {
 // White paint in white fog under a smooth coat gives back what it gets; the last wavelength is white.
 static void nothing_is_lost_or_made(void **state) {
     (void)state;
-    enum { COUNT = 20000 };
+    enum { COUNT = 12000 };
     rng r = rng_make(34);
     for (size_t c = 0; c < CASE_COUNT; c++)
         for (int w = 0; w < 3; w++) {
@@ -244,7 +282,7 @@ static void grazing_directions_are_numbers(void **state) {
     (void)state;
     rng r = rng_make(35);
     for (size_t c = 0; c < CASE_COUNT; c++)
-        for (uint64_t i = 0; i < 20000; i++) {
+        for (uint64_t i = 0; i < 5000; i++) {
             const double z[2] = {pow(10, -8 * rng_unit(&r)), pow(10, -8 * rng_unit(&r))};
             sag_vec3 w[2];
             for (int k = 0; k < 2; k++) {
@@ -263,9 +301,9 @@ static void grazing_directions_are_numbers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(walks_agree_with_the_slow_one),  cmocka_unit_test(densities_are_densities),
-        cmocka_unit_test(walks_are_reciprocal),           cmocka_unit_test(nothing_is_lost_or_made),
-        cmocka_unit_test(grazing_directions_are_numbers),
+        cmocka_unit_test(walks_agree_with_the_slow_one), cmocka_unit_test(formulas_agree_with_the_slow_walk),
+        cmocka_unit_test(densities_are_densities),       cmocka_unit_test(walks_are_reciprocal),
+        cmocka_unit_test(nothing_is_lost_or_made),       cmocka_unit_test(grazing_directions_are_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
