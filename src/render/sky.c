@@ -120,7 +120,7 @@ bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sa
     if (light->light.has_portal) return sagi_portal_sample(&light->portal, from->position, u, wi);
     if (has_picture(light)) {
         sag_vec2 p;
-        if (!sagi_window_sample(&light->table, &whole, u, &p)) return false;
+        if (!sagi_window_sample_whole(&light->table, u, &p)) return false;
         *wi = sag_normalize(sag_affine_vector(&light->light.to_world, sagi_equal_area_to_sphere(p)));
         return true;
     }

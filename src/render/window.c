@@ -2,18 +2,22 @@
 // The sums S(x, y) over all that is left of x and above y are known at the corners of the cells and bilinear
 // between; the integral over a window is S at its four corners. For a given window the share left of x is
 // linear in each column, so x is found by halving the columns and solving within one; then y in the same way
-// within that column, where the density does not depend on x.
+// within that column, where the density does not depend on x. In the whole square the row comes first, by the
+// sums of rows, then x within it: what is looked at lies together.
 #include "window.h"
 
 #include <string.h>
 
 bool sagi_window_table_init(sagi_window_table *table, const sag_context *context, const double *weights,
                             uint32_t width, uint32_t height) {
-    *table = (sagi_window_table){0, 0, NULL};
+    *table = (sagi_window_table){.width = width, .height = height};
     const size_t stride = (size_t)width + 1, count = stride * ((size_t)height + 1);
     table->sums = sag_allocate(context, count * sizeof *table->sums);
-    if (!table->sums) return false;
-    table->width = width, table->height = height;
+    table->rows = sag_allocate(context, ((size_t)height + 1) * sizeof *table->rows);
+    if (!table->sums || !table->rows) {
+        sagi_window_table_clear(table, context);
+        return false;
+    }
     const double area = 1.0 / width / height;
     memset(table->sums, 0, stride * sizeof *table->sums);
     for (uint32_t y = 0; y < height; y++) {
@@ -25,13 +29,15 @@ bool sagi_window_table_init(sagi_window_table *table, const sag_context *context
             row[x + 1] = above[x + 1] + sum;
         }
     }
+    for (uint32_t y = 0; y <= height; y++) table->rows[y] = table->sums[y * stride + width];
     return true;
 }
 
 void sagi_window_table_clear(sagi_window_table *table, const sag_context *context) {
     const size_t count = ((size_t)table->width + 1) * ((size_t)table->height + 1);
-    if (table->sums) sag_release(context, table->sums, count * sizeof *table->sums);
-    *table = (sagi_window_table){0, 0, NULL};
+    sag_release(context, table->sums, count * sizeof *table->sums);
+    sag_release(context, table->rows, ((size_t)table->height + 1) * sizeof *table->rows);
+    *table = (sagi_window_table){.width = 0};
 }
 
 // S, x and y in cells.
@@ -95,11 +101,43 @@ bool sagi_window_sample(const sagi_window_table *t, const sagi_window *w, sag_ve
     return true;
 }
 
+// The place where the share u of what grows from low[0] − high[0] = 0 to low[count] − high[count] is reached;
+// *cell is the cell it lies in. `high` may be NULL.
+static inline double find_between(const double *low, const double *high, uint32_t count, double u,
+                                  uint32_t *cell) {
+#define BEFORE(i) (low[i] - (high ? high[i] : 0))
+    const double target = u * BEFORE(count);
+    uint32_t first = 0, last = count - 1;
+    while (first < last) {
+        const uint32_t middle = first + (last - first) / 2;
+        if (BEFORE(middle + 1) > target)
+            last = middle;
+        else
+            first = middle + 1;
+    }
+    const double a = BEFORE(first), share = (target - a) / (BEFORE(first + 1) - a);
+#undef BEFORE
+    *cell = first;
+    return first + (share > 0 ? fmin(share, 1) : 0);
+}
+
+bool sagi_window_sample_whole(const sagi_window_table *t, sag_vec2 u, sag_vec2 *p) {
+    if (!(t->rows[t->height] > 0)) return false;
+    uint32_t row, column;
+    const double y = find_between(t->rows, NULL, t->height, u.y, &row);
+    const double *above = t->sums + (size_t)row * (t->width + 1), *below = above + t->width + 1;
+    if (!(below[t->width] - above[t->width] > 0)) return false;
+    const double x = find_between(below, above, t->width, u.x, &column);
+    *p = (sag_vec2){x / t->width, y / t->height};
+    return true;
+}
+
 double sagi_window_pdf(const sagi_window_table *t, const sagi_window *w, sag_vec2 p) {
     if (!(p.x >= w->low.x && p.x <= w->high.x && p.y >= w->low.y && p.y <= w->high.y)) return 0;
     const double all = sagi_window_integral(t, w);
     const double x = fmin(floor(p.x * t->width), t->width - 1.0),
                  y = fmin(floor(p.y * t->height), t->height - 1.0);
-    const double here = integral(t, x, y, x + 1, y + 1) * t->width * t->height;
+    const double *above = t->sums + (size_t)y * (t->width + 1) + (size_t)x, *below = above + t->width + 1;
+    const double here = fmax(0, (below[1] - below[0]) - (above[1] - above[0])) * t->width * t->height;
     return all > 0 ? here / all : 0;
 }

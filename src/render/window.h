@@ -9,6 +9,7 @@
 typedef struct sagi_window_table {
     uint32_t width, height; // 0: nothing to sample
     double *sums; // (width + 1)(height + 1): of the cells left of and above each corner, times their area
+    double *rows; // height + 1: of the rows above
 } sagi_window_table;
 
 typedef struct sagi_window {
@@ -23,6 +24,8 @@ void sagi_window_table_clear(sagi_window_table *table, const sag_context *contex
 double sagi_window_integral(const sagi_window_table *table, const sagi_window *window);
 // A point of the window. False where there is nothing in it.
 bool sagi_window_sample(const sagi_window_table *table, const sagi_window *window, sag_vec2 u, sag_vec2 *p);
+// A point of the whole square, in fewer steps. False where there is nothing.
+bool sagi_window_sample_whole(const sagi_window_table *table, sag_vec2 u, sag_vec2 *p);
 // The density of a point of the window.
 double sagi_window_pdf(const sagi_window_table *table, const sagi_window *window, sag_vec2 p);
 
