@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The first two Sobol' dimensions and Owen's scrambling: what both pictures and measurements draw their points
-// with.
+// The first two Sobol' dimensions and Owen's scrambling: what both pictures and measurements draw their
+// points with.
 //
 // The two dimensions together are a (0, 2)-sequence: every 2ᵏ points from a multiple of 2ᵏ on lie one in each
 // of the 2ᵏ boxes of size 2⁻ᵃ × 2⁻ᵇ, a + b = k. Owen's scrambling flips each bit of a coordinate by a hash of

@@ -11,9 +11,7 @@ typedef struct sagi_stream {
     uint64_t state;
 } sagi_stream;
 
-static inline uint64_t sagi_stream_bits(sagi_stream *s) {
-    return sagi_mix(s->state += 0x9E3779B97F4A7C15u);
-}
+static inline uint64_t sagi_stream_bits(sagi_stream *s) { return sagi_mix(s->state += 0x9E3779B97F4A7C15u); }
 
 static inline sagi_stream sagi_stream_of(sag_vec2 random) {
     uint64_t x, y;

@@ -21,8 +21,8 @@ static double length_scaled(sag_vec3 a) {
     return largest > 0 ? largest * sag_length(sag_scale(a, 1 / largest)) : 0;
 }
 
-// n = ab × ac in doubles has an error below 8ε E², E being the largest coordinate of an edge: good to 2⁻³⁰ and
-// more when n is not much smaller than E². Needles and tiny triangles, whose products may underflow, are
+// n = ab × ac in doubles has an error below 8ε E², E being the largest coordinate of an edge: good to 2⁻³⁰
+// and more when n is not much smaller than E². Needles and tiny triangles, whose products may underflow, are
 // done in expansions.
 static inline bool cross_is_good(sag_vec3 n, double edge) {
     double largest = norm_max(n);

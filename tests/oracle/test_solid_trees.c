@@ -3,8 +3,8 @@
 // lattice where faces coincide, nested and mapped, against the membership of points decided exactly
 // (support/region.h). Prints how many decisions there were; not one may be wrong.
 #include "support/context.h"
-#include "support/solid_check.h"
 #include "support/random_model.h"
+#include "support/solid_check.h"
 // clang-format off
 #include <stdarg.h>
 #include <setjmp.h>

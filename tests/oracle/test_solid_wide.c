@@ -3,8 +3,8 @@
 // place, with faces that coincide by the hundred.
 #include "shapes/shape.h"
 #include "support/context.h"
-#include "support/solid_check.h"
 #include "support/random_model.h"
+#include "support/solid_check.h"
 // clang-format off
 #include <stdarg.h>
 #include <setjmp.h>

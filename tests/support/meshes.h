@@ -20,8 +20,8 @@ test_mesh test_mesh_sphere(int levels);
 test_mesh test_mesh_torus(uint32_t n, uint32_t m);
 // p ↦ scale · p + offset, rounded; vertices then moved at random by up to `noise` · scale.
 void test_mesh_move(test_mesh *mesh, double scale, sag_vec3 offset, double noise, rng *r);
-// The same triangles as STL files have them: a vertex in floats for each corner, every other 0 a −0. The caller
-// frees both arrays.
+// The same triangles as STL files have them: a vertex in floats for each corner, every other 0 a −0. The
+// caller frees both arrays.
 sag_mesh test_mesh_soup(const test_mesh *mesh, float **positions, uint32_t **triangles);
 void test_mesh_free(test_mesh *mesh);
 
