@@ -10,8 +10,10 @@
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wunused-function"
 #endif
+#ifndef __clang_analyzer__ // what it suspects in there is not ours
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
+#endif
 #define STBI_ONLY_TGA
 #define STBI_ONLY_BMP
 #define STBI_ONLY_HDR

@@ -9,31 +9,30 @@
 #include "spectrum.h"
 
 typedef struct sagi_bsdf {
-    sag_material_kind kind;
-    bool specular;      // all that it scatters goes to single directions: eval is black, only sample finds it
-    sag_vec3 s, t, n;   // shading frame; n on the front
-    sag_vec3 geometric; // unit geometric normal, on the front
-    sag_vec3 wo;        // in the shading frame
-    double wo_side;     // the sign of wo on the geometric normal
-    bool dispersed;     // ior is that of the first wavelength only
     sagi_spectrum color;  // reflectance
     sagi_spectrum eta, k; // of a metal
-    double ior;           // of glass and coats
-    // Of coats, see coated.c: sagi_fresnel_inner_mean, the material's own, and base: color with all inner
-    // bounces.
-    double inner_mean, thickness;
-    uint32_t bounces;
-    sagi_spectrum base; // of diffuse transmission: the transmittance
+    sagi_spectrum base; // of a coat: color with all inner bounces; of diffuse transmission: the transmittance
+    sagi_spectrum albedo; // of what is in a coat that is walked through
+    sag_vec3 s, t, n;     // shading frame; n on the front
+    sag_vec3 geometric;   // unit geometric normal, on the front
+    sag_vec3 wo;          // in the shading frame
+    double wo_side;       // the sign of wo on the geometric normal
     sagi_microfacet facets;
-    // Of coats that are walked through, see layered.c: the coat's facets, the albedo and mean cosine of what
-    // is in it, and where its random numbers begin.
+    double ior; // of glass and coats
+    // Of coats, see coated.c: sagi_fresnel_inner_mean, and the material's own.
+    double inner_mean, thickness;
     const float *rough_share; // of a rough coat with a formula: sagi_coat_table; else NULL
-    bool layered;
-    uint32_t walks;
-    uint64_t seed;
+    // Of coats that are walked through, see layered.c: the coat's facets, the mean cosine of what is in it,
+    // and where its random numbers begin.
     sagi_microfacet coat;
-    sagi_spectrum albedo;
     double g;
+    uint64_t seed;
+    uint32_t walks;
+    uint32_t bounces; // of coats
+    sag_material_kind kind;
+    bool specular;  // all that it scatters goes to single directions: eval is black, only sample finds it
+    bool dispersed; // ior is that of the first wavelength only
+    bool layered;   // a coat that is walked through
 } sagi_bsdf;
 
 typedef struct sagi_bsdf_sample {
