@@ -75,12 +75,12 @@ sag_status sagi_stb_read(const sagi_image_source *source, sag_image *image, sag_
                                                            &got_channels, channels)
                        : (void *)stbi_load_from_callbacks(&callbacks, &r, &got_width, &got_height,
                                                           &got_channels, channels);
-    if (!pixels)
+    if (pixels == NULL)
         status = sagi_image_damaged(source, error, format,
                                     r.cut_short ? "the file is cut short" : stbi_failure_reason());
     else if (r.cut_short || got_width != width || got_height != height)
         status = sagi_image_damaged(source, error, format, "the file is cut short");
-    if (status == SAG_OK) {
+    if (status == SAG_OK && pixels != NULL) {
         const size_t row = (size_t)width * (size_t)channels;
         if (hdr)
             memcpy(image->pixels, pixels, row * (size_t)height * sizeof(float));

@@ -248,7 +248,10 @@ static void samples_within_instances(void **state) {
         sag_hit hit;
         assert_true(sag_intersect(n.scenes[2], &ray, &hit));
         sag_surface_at(n.scenes[2], &ray, &hit, &found);
-        assert_true(sag_length(sag_sub(found.position, sample.position)) < 1e-7 * size);
+        const double apart = sag_length(sag_sub(found.position, sample.position));
+        // Far from the origin positions are less exact.
+        const double blur = sag_length(found.position_error) + sag_length(sample.position_error);
+        if (!(apart < 1e-7 * size + 8 * blur)) fail_msg("nest %d of size %g: %g apart", k, size, apart);
         assert_true(sag_dot(found.geometric_normal, sample.geometric_normal) > 0.999);
         free_nest(&n);
     }
