@@ -107,6 +107,23 @@ static void test_surfaces_and_spawned_rays(void **state) {
     }
 }
 
+// A floor in the plane z = 0: its points have z = 0 exactly, and rays that leave it did not.
+static void test_floor_at_zero(void **state) {
+    (void)state;
+    rng r = rng_make(9);
+    for (int i = 0; i < 3000; i++) {
+        const double size = rng_log_uniform(&r, 1e-9, 1e9);
+        const sag_bilinear_patch floor = {
+            {-size, -size, 0}, {size, -size, 0}, {-size, size, 0}, {size, size, 0}};
+        sag_surface surface;
+        assert_true(sag_bilinear_patch_sample(&floor, rng_vec2(&r), &surface));
+        assert_true(surface.position.z == 0);
+        sag_vec3 way = rng_direction(&r);
+        const sag_ray ray = sag_spawn_ray(&surface, way);
+        assert_false(sag_bilinear_patch_occluded(&floor, &ray));
+    }
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     sag_error error;
@@ -125,8 +142,8 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_crossings), cmocka_unit_test(test_segments_along_the_ray),
+        cmocka_unit_test(test_known_crossings),   cmocka_unit_test(test_segments_along_the_ray),
         cmocka_unit_test(test_area_and_sampling), cmocka_unit_test(test_surfaces_and_spawned_rays),
-        cmocka_unit_test(test_bad_input)};
+        cmocka_unit_test(test_floor_at_zero),     cmocka_unit_test(test_bad_input)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
