@@ -86,11 +86,11 @@ static void make_surface(const sag_bilinear_patch *s, double u, double v, sag_su
     surface->dpdu = sag_madd(f.u_edge, v, f.twist);
     surface->dpdv = sag_madd(f.v_edge, u, f.twist);
     surface->position = sag_madd(sag_madd(s->p00, u, f.u_edge), v, surface->dpdv);
-    // A flat patch in the plane z = 0 knows its z exactly, and a ray spawned there starts next to nothing off
-    // it: less than the test can tell, also in 400 bits. 64ε of the longest edge in every coordinate, as
-    // triangles have, lets doubles turn the patch away.
+    // A flat patch in the plane z = 0 knows its z exactly, and a ray spawned there would start next to
+    // nothing off it: less than the test can tell, also in 400 bits. So some of the largest extent is added
+    // in every coordinate.
     const double size[3] = {size_of(&f, 0), size_of(&f, 1), size_of(&f, 2)};
-    const double margin = 64 * SAGI_EPSILON * fmax(size[0], fmax(size[1], size[2]));
+    const double margin = 8 * SAGI_EPSILON * fmax(size[0], fmax(size[1], size[2]));
     surface->position_error =
         sag_vec3_make(error_of(s->p00.x, size[0]) + margin, error_of(s->p00.y, size[1]) + margin,
                       error_of(s->p00.z, size[2]) + margin);
