@@ -10,6 +10,7 @@
 #include <cmocka.h>
 // clang-format on
 #include "render/light.h"
+#include "support/mean.h"
 #include "support/picture.h"
 #include "support/random_shape.h"
 
@@ -82,17 +83,6 @@ static void make_scenery(scenery *w, rng *r, int which, int depth, sag_light_sam
     w->s.settings->light_sampler = sampler;
     assert_int_equal(sag_scene_commit(w->s.scene, &w->error), SAG_OK);
     assert_int_equal(sagi_lights_init(&w->lights, w->s.world, &w->error), SAG_OK);
-}
-
-typedef struct mean {
-    double sum, squares;
-    int count;
-} mean;
-static void mean_add(mean *m, double x) { m->sum += x, m->squares += x * x, m->count++; }
-static double mean_of(const mean *m) { return m->sum / m->count; }
-static double deviation_of(const mean *m) {
-    const double mu = mean_of(m);
-    return sqrt(fmax(0, m->squares / m->count - mu * mu) / m->count);
 }
 
 // What the receiver makes of light from a direction.

@@ -13,22 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A small scene with a bit of everything, in pixels that do not fill whole tiles.
-static void furnish(studio *s) {
-    s->settings->film.width = 45, s->settings->film.height = 35;
-    s->settings->samples_per_pixel = 7;
-    s->settings->max_depth = 5;
-    s->settings->film.filter = SAG_FILTER_GAUSSIAN;
-    sag_add_plane(s->scene, &(sag_plane){.point = {0, -1, 0}, .normal = {0, 1, 0}});
-    uint32_t ball = sag_add_sphere(s->scene, &(sag_sphere){.radius = 1});
-    uint32_t lamp = sag_add_sphere(s->scene, &(sag_sphere){.center = {3, 4, 3}, .radius = 1});
-    uint32_t glass = sag_world_add_material(
-        s->world, &(sag_material){.kind = SAG_MATERIAL_DIELECTRIC, .eta.value = {1.5, 0, 0}});
-    sag_world_set_appearance(s->world, s->scene, ball, &(sag_appearance){.material = glass});
-    sag_world_set_appearance(s->world, s->scene, lamp, &(sag_appearance){.emission = {5, 4, 3}});
-    sag_world_add_light(s->world, &(sag_light){.kind = SAG_LIGHT_SKY, .color = {0.3, 0.4, 0.6}});
-}
-
 // A part of the film has the bits that it has in the whole picture: paths and glances, whatever the sampler
 // and filter.
 static void crop_is_the_cut_of_the_whole(void **state) {
@@ -41,7 +25,7 @@ static void crop_is_the_cut_of_the_whole(void **state) {
     for (int k = 0; k < 6; k++) {
         for (int depth = 0; depth < 2; depth++) {
             studio s = studio_open(k % 2 ? 1 : 2);
-            furnish(&s);
+            studio_furnish(&s);
             s.settings->sampler = samplers[k];
             s.settings->film.filter = filters[k];
             if (depth) s.settings->integrator = SAG_INTEGRATOR_DEPTH;
@@ -100,7 +84,7 @@ static void bright_samples_are_dimmed(void **state) {
     assert_false(sagi_pixel_add(&pixel, 1, (sag_rgb){(double)INFINITY, 1, 1}, 4));
     assert_int_equal(pixel.count, 2);
     studio s = studio_open(1);
-    furnish(&s);
+    studio_furnish(&s);
     sag_render_stats stats;
     s.settings->film.max_component = 0.125;
     sag_image image = studio_render(&s, &stats);
@@ -139,7 +123,7 @@ static void instruction_sets_change_no_bit(void **state) {
     static const char *const names[] = {"portable", "sse42", "avx2", "avx512", "neon"};
     for (sag_sampler_kind kind = SAG_SAMPLER_INDEPENDENT; kind <= SAG_SAMPLER_HALTON; kind++) {
         studio best = studio_open(2);
-        furnish(&best);
+        studio_furnish(&best);
         best.settings->sampler = kind;
         sag_image expected = studio_render(&best, NULL);
         for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -149,7 +133,7 @@ static void instruction_sets_change_no_bit(void **state) {
             studio s = studio_open(1);
             assert_int_equal(unsetenv("SAG_ISA"), 0);
             assert_string_equal(sag_context_isa(s.context), names[i]);
-            furnish(&s);
+            studio_furnish(&s);
             s.settings->sampler = kind;
             sag_image image = studio_render(&s, NULL);
             assert_true(same_picture(&expected, &image));

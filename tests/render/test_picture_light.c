@@ -10,6 +10,7 @@
 // clang-format on
 #include "render/light.h"
 #include "support/failing_allocator.h"
+#include "support/mean.h"
 #include "support/picture.h"
 #include "support/random.h"
 
@@ -50,17 +51,6 @@ static void prepare(studio *s, sagi_lights *lights) {
     sag_error error = {.status = SAG_OK};
     assert_int_equal(sag_scene_commit(s->scene, &error), SAG_OK);
     if (sagi_lights_init(lights, s->world, &error) != SAG_OK) fail_msg("%s", error.message);
-}
-
-typedef struct mean {
-    double sum, squares;
-    int count;
-} mean;
-static void mean_add(mean *m, double x) { m->sum += x, m->squares += x * x, m->count++; }
-static double mean_of(const mean *m) { return m->sum / m->count; }
-static double deviation_of(const mean *m) {
-    const double mu = mean_of(m);
-    return sqrt(fmax(0, m->squares / m->count - mu * mu) / m->count);
 }
 
 // The power of beams: the integral of their intensity over the sphere.

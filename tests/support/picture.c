@@ -101,3 +101,18 @@ studio_mean studio_measure(studio *s) {
     sag_image_clear(s->context, &image);
     return result;
 }
+
+void studio_furnish(studio *s) {
+    s->settings->film.width = 45, s->settings->film.height = 35;
+    s->settings->samples_per_pixel = 7;
+    s->settings->max_depth = 5;
+    s->settings->film.filter = SAG_FILTER_GAUSSIAN;
+    sag_add_plane(s->scene, &(sag_plane){.point = {0, -1, 0}, .normal = {0, 1, 0}});
+    uint32_t ball = sag_add_sphere(s->scene, &(sag_sphere){.radius = 1});
+    uint32_t lamp = sag_add_sphere(s->scene, &(sag_sphere){.center = {3, 4, 3}, .radius = 1});
+    uint32_t glass = sag_world_add_material(
+        s->world, &(sag_material){.kind = SAG_MATERIAL_DIELECTRIC, .eta.value = {1.5, 0, 0}});
+    sag_world_set_appearance(s->world, s->scene, ball, &(sag_appearance){.material = glass});
+    sag_world_set_appearance(s->world, s->scene, lamp, &(sag_appearance){.emission = {5, 4, 3}});
+    sag_world_add_light(s->world, &(sag_light){.kind = SAG_LIGHT_SKY, .color = {0.3, 0.4, 0.6}});
+}

@@ -23,6 +23,8 @@ void studio_close(studio *s);
 void studio_aim(studio *s, sag_vec3 eye, sag_vec3 target);
 // An orthographic camera whose picture is (nearly) the one point `target`, seen from `eye`.
 void studio_aim_point(studio *s, sag_vec3 eye, sag_vec3 target);
+// A small scene with a bit of everything, in pixels that do not fill whole tiles.
+void studio_furnish(studio *s);
 // A material's id that must be there.
 uint32_t studio_material(studio *s, sag_material material);
 
