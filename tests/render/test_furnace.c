@@ -269,13 +269,13 @@ static void closed_room(void **state) {
         sag_geometry_set_transform(s.scene, ids[2], &aside);
         for (int i = 0; i < 3; i++)
             assert_int_equal(sag_world_set_appearance(s.world, s.scene, ids[i], &look), SAG_OK);
+        // Lights alone, near a corner's edge, have no finite variance: of few samples what is seldom is
+        // missing from mean and deviation.
+        if (strategy == SAG_STRATEGY_LIGHTS) s.settings->samples_per_pixel = 400;
         studio_mean m = studio_measure(&s);
         if (!(fabs(m.mean - 1) < 5 * m.deviation))
             print_message("%d: %g +- %g\n", strategy, m.mean, m.deviation);
-        // Lights alone, near a corner's edge, have no finite variance: what is seldom is missing from both
-        // numbers.
-        const double seldom = strategy == SAG_STRATEGY_LIGHTS ? 0.02 : 0;
-        assert_true(fabs(m.mean - 1) < 5 * m.deviation + seldom);
+        assert_true(fabs(m.mean - 1) < 5 * m.deviation);
         assert_true(m.deviation < 0.02);
         studio_close(&s);
     }
