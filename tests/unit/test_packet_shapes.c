@@ -4,6 +4,7 @@
 // machine. Eyes are far and near, inside of shapes and on their surfaces; pixels are fine and coarse; shapes
 // touch, coincide and hide each other.
 #include "base/cpu.h"
+#include "support/batch_check.h"
 #include "support/context.h"
 #include "support/random_scene.h"
 #include <setjmp.h>
@@ -14,22 +15,6 @@
 #include <cmocka.h>
 
 enum { RAYS = 64 };
-
-static void assert_same(const sag_scene *scene, const sag_ray *rays) {
-    sag_hit hits[RAYS];
-    memset(hits, 0xA5, sizeof hits);
-    sag_intersect_batch(scene, rays, hits, RAYS);
-    for (size_t i = 0; i < RAYS; i++) {
-        sag_hit hit;
-        memset(&hit, 0xA5, sizeof hit);
-        if (sag_intersect(scene, &rays[i], &hit)) {
-            assert_memory_equal(&hit, &hits[i], sizeof hit);
-        } else {
-            assert_true(hits[i].t == INFINITY);
-            assert_int_equal(hits[i].geometry, SAG_INVALID_ID);
-        }
-    }
-}
 
 // Tiles of 4 × 4 pixels, four of them.
 static void camera(rng *r, sag_vec3 eye, sag_vec3 target, double pixel, sag_ray *rays) {
@@ -62,7 +47,7 @@ static void look(const sag_scene *scene, rng *r, const sag_vec3 *places, uint32_
         if (rng_one_in(r, 6)) eye = places[rng_below(r, count)];
         if (rng_one_in(r, 8)) eye = sag_madd(target, size, sag_vec3_make(0, 0, 1));
         camera(r, eye, target, rng_log_uniform(r, 1e-7, 0.03), rays);
-        assert_same(scene, rays);
+        batch_check(scene, rays, RAYS, &(batch_counts){0});
     }
 }
 
@@ -174,7 +159,7 @@ static void test_a_camera_within_a_dome(void **state) {
     assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
     for (size_t round = 0; round < soak(200); round++) {
         camera(&r, rng_vec3(&r, 50), rng_vec3(&r, 20), 1e-3, rays);
-        assert_same(scene, rays);
+        batch_check(scene, rays, RAYS, &(batch_counts){0});
     }
     sag_scene_destroy(scene);
 }
