@@ -13,8 +13,8 @@
 //
 // With these bounds for the cosines alone, clusters near by and at a slant are chosen too often; so what is
 // weighed lies between the bound and the cosine for the middle of the cluster (half way at the light, 15 % of
-// the way at the receiver: the variance of one sample among 1024 lamps then is 0.54 to 0.87 of what it is with
-// the bounds).
+// the way at the receiver: the variance of one sample among 1024 lamps then is 0.54 to 0.87 of what it is
+// with the bounds).
 //
 // No angle is needed, only their sines and cosines: cos max(0, x − y) = 1 where cos x > cos y, else
 // cos x cos y + sin x sin y. A beam's light counts in full within its cone (cos θ' is at least FLOOR), or
