@@ -122,7 +122,7 @@ static void samples_follow_their_density(void **state) {
             sagi_bsdf bsdf = make(&cases[c], outgoing(w));
             static double expected[Z * PHI];
             static uint32_t counts[Z * PHI];
-            double specular = 0;
+            double all = 0, drawn = 0;
             for (int i = 0; i < Z * PHI; i++) {
                 expected[i] = 0;
                 counts[i] = 0;
@@ -133,15 +133,14 @@ static void samples_follow_their_density(void **state) {
                     sagi_bsdf_eval(&bsdf, sag_vec3_make(s * cos(phi), s * sin(phi), z), &pdf);
                     expected[i] += pdf * (4 * SAGI_RENDER_PI / (Z * PHI)) / (FINE * FINE) * COUNT;
                 }
+                all += expected[i];
             }
             for (int i = 0; i < COUNT; i++) {
                 sagi_bsdf_sample sample;
                 sag_vec2 u = {rng_unit(&r), rng_unit(&r)};
                 if (!sagi_bsdf_sample_wi(&bsdf, rng_unit(&r), u, &sample)) continue;
-                if (sample.specular) {
-                    specular++;
-                    continue;
-                }
+                if (sample.specular) continue;
+                drawn++;
                 int z = (int)((sample.wi.z + 1) / 2 * Z);
                 double turn = atan2(sample.wi.y, sample.wi.x) / (2 * SAGI_RENDER_PI);
                 int phi = (int)((turn < 0 ? turn + 1 : turn) * PHI);
@@ -159,6 +158,10 @@ static void samples_follow_their_density(void **state) {
             if (!(chi < cells + 6 * sqrt(2.0 * cells)))
                 print_message("%s, wo %d: chi2 %g of %d cells\n", cases[c].name, w, chi, cells);
             assert_true(chi < cells + 6 * sqrt(2.0 * cells));
+            // What no single cell tells: altogether.
+            const double share = drawn / COUNT, spread = sqrt(share * (1 - share) * COUNT);
+            if (!(fabs(drawn - all) < 5 * spread + 0.003 * COUNT))
+                fail_msg("%s, wo %d: %g samples, not %g", cases[c].name, w, drawn, all);
         }
 }
 
