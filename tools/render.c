@@ -26,10 +26,10 @@ static const char help[] =
     "      --aov LAYERS     keep beside the picture, in an .exr: all, or some of "
     "albedo,normal,depth,position,\n"
     "                       uv,id,variance\n"
-    "      --integrator I   volpath (all light, through media), path (without media), direct (one bounce), "
-    "ao\n"
-    "                       (ambient occlusion), normal, uv, depth (linear distance), id (a colour for each\n"
-    "                       geometry), albedo; default: the scene's\n"
+    "      --integrator I   volpath (all light, through media), path (without media), direct (one bounce),\n"
+    "                       lightpath (light followed from the lamps), ao (ambient occlusion), normal, uv,\n"
+    "                       depth (linear distance), id (a colour for each geometry), albedo; default: the\n"
+    "                       scene's\n"
     "      --seed N         another seed gives another pattern of noise; the same one the same bits\n"
     "      --threads N      as many threads; 0, the default: one a core. The picture does not depend on it\n"
     "      --stats FILE     times, rays, memory and more as JSON\n"
@@ -321,8 +321,8 @@ static bool read_layers(const char *list, uint32_t *layers) {
 }
 
 static int run(const tool_command *command, int argc, char **argv) {
-    static const char *const integrators[] = {"path",  "direct", "ao",     "normal",  "uv",
-                                              "depth", "id",     "albedo", "volpath", NULL};
+    static const char *const integrators[] = {"path", "direct", "ao",      "normal",    "uv", "depth",
+                                              "id",   "albedo", "volpath", "lightpath", NULL};
     render_options o = {.integrator = -1, .seed = UINT64_MAX};
     const option options[] = {
         {.name = "output", .letter = 'o', .kind = OPTION_TEXT, .target = &o.output},

@@ -304,40 +304,64 @@ static void light_sampler(sagi_pbrt *p, sagi_place place) {
                         "Integrator: the light sampler \"%s\" is taken to be \"bvh\"", text);
 }
 
+// "ambientocclusion": pbrt-v4's, whose "maxdistance" is infinite by default.
+static void read_occlusion(sagi_params *params, sag_settings *settings) {
+    const double distance = sagi_params_float(params, "maxdistance", INFINITY);
+    settings->occlusion_uniform = !sagi_params_bool(params, "cossample", true);
+    settings->occlusion_distance = isfinite(distance) ? distance : 0;
+    if (!(distance > 0))
+        sagi_params_fail(params, sagi_params_find(params, "maxdistance", ~0u),
+                         "maxdistance %g: it must be positive", distance);
+}
+
+// "simplepath": lights are sampled, or else only found; and uniformly chosen. That its directions may be
+// uniform too makes no other picture.
+static void read_simple(sagi_pbrt *p, sag_settings *settings) {
+    const bool sampled = sagi_params_bool(&p->params, "samplelights", true);
+    settings->strategy = sampled ? SAG_STRATEGY_LIGHTS : SAG_STRATEGY_SURFACES;
+    sagi_pbrt_ignore(p, "samplebsdf", NULL);
+}
+
 sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     char name[64];
     const sag_status status = read_named(p, place, "Integrator", name, sizeof name);
     if (status != SAG_OK || p->options->geometry_only) return status;
-    static const char *const others[] = {"simplepath", "simplevolpath", "lightpath",  "bdpt",
-                                         "mlt",        "sppm",          "randomwalk", "function"};
+    // What each becomes; those that are not supported are followed by volpath, as they see media too.
+    static const struct {
+        const char *name;
+        sag_integrator_kind kind;
+        bool supported;
+    } kinds[] = {
+        {"volpath", SAG_INTEGRATOR_VOLPATH, true},     {"path", SAG_INTEGRATOR_PATH, true},
+        {"simplepath", SAG_INTEGRATOR_PATH, true},     {"simplevolpath", SAG_INTEGRATOR_VOLPATH, true},
+        {"randomwalk", SAG_INTEGRATOR_PATH, true},     {"lightpath", SAG_INTEGRATOR_LIGHTPATH, true},
+        {"ambientocclusion", SAG_INTEGRATOR_AO, true}, {"directlighting", SAG_INTEGRATOR_DIRECT, true},
+        {"bdpt", SAG_INTEGRATOR_VOLPATH, false},       {"mlt", SAG_INTEGRATOR_VOLPATH, false},
+        {"sppm", SAG_INTEGRATOR_VOLPATH, false},       {"function", SAG_INTEGRATOR_VOLPATH, false},
+    };
+    const size_t kind_count = sizeof kinds / sizeof *kinds;
+    size_t kind = 0;
+    while (kind < kind_count && strcmp(name, kinds[kind].name) != 0) kind++;
+    if (kind == kind_count) return unknown(p, place, "integrator", name);
     sag_settings *settings = sag_world_settings(p->world);
-    const bool plain = strcmp(name, "path") == 0 || strcmp(name, "simplepath") == 0;
-    bool known = plain || strcmp(name, "volpath") == 0;
-    settings->integrator = plain ? SAG_INTEGRATOR_PATH : SAG_INTEGRATOR_VOLPATH;
-    if (strcmp(name, "ambientocclusion") == 0) {
-        known = true;
-        settings->integrator = SAG_INTEGRATOR_AO;
-        sagi_pbrt_ignore(p, "cossample", NULL);
-        sagi_pbrt_ignore(p, "maxdistance", "is not supported");
-    } else if (strcmp(name, "directlighting") == 0) {
-        known = true;
-        settings->integrator = SAG_INTEGRATOR_DIRECT;
-    }
-    for (size_t i = 0; !known && i < sizeof others / sizeof *others; i++) {
-        if (strcmp(name, others[i]) != 0) continue;
-        known = true;
-        sagi_pbrt_warn(
-            p, place, "Integrator \"%s\" is not supported: \"volpath\" takes its place, for the same picture",
-            name);
+    settings->integrator = kinds[kind].kind;
+    settings->strategy = SAG_STRATEGY_MIS;
+    settings->occlusion_distance = 0, settings->occlusion_uniform = false;
+    if (!kinds[kind].supported) {
+        sagi_pbrt_warn(p, place, "Integrator \"%s\" is not supported: \"volpath\" takes its place%s", name,
+                       strcmp(name, "function") == 0 ? "" : ", for the same picture");
         for (size_t k = 0; k < p->params.count; k++)
             if (!sagi_slice_is(p->params.items[k].name, "maxdepth")) p->params.items[k].used = true;
     }
-    if (!known) return unknown(p, place, "integrator", name);
+    if (strcmp(name, "ambientocclusion") == 0) read_occlusion(&p->params, settings);
+    if (strcmp(name, "simplepath") == 0) read_simple(p, settings);
+    if (strcmp(name, "randomwalk") == 0) settings->strategy = SAG_STRATEGY_SURFACES;
     const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 5);
     if (depth < 0) return sagi_params_fail(&p->params, NULL, "maxdepth %d", depth);
     settings->max_depth = (uint32_t)depth;
     settings->regularize = sagi_params_bool(&p->params, "regularize", false);
     light_sampler(p, place);
+    if (strncmp(name, "simple", 6) == 0) settings->light_sampler = SAG_LIGHT_SAMPLER_UNIFORM;
     sagi_pbrt_ignore(p, "rrthreshold", NULL);
     return sagi_pbrt_parameters_done(p);
 }

@@ -117,17 +117,24 @@ static void meet(const sagi_areas *areas, const sagi_area_group *group, uint32_t
     sag_surface_at(areas->world->scene, &ray, &hit, surface);
 }
 
-static bool sample_by_area(const sagi_areas *areas, uint32_t index, const sagi_shading_point *from,
-                           sag_vec2 u, sag_surface *surface, sag_vec3 *wi, double *pdf) {
+bool sagi_area_point(const sagi_areas *areas, uint32_t index, sag_vec2 u, sag_surface *surface,
+                     double *density) {
     const sagi_area_group *group = sagi_area_group_of(areas, index);
-    double density;
-    if (!sag_geometry_sample(group->scene, group->geometry, index - group->first, u, surface, &density))
+    if (!(areas->areas[index].density > 0) ||
+        !sag_geometry_sample(group->scene, group->geometry, index - group->first, u, surface, density))
         return false;
     if (group->flat)
-        density = areas->areas[index].density;
+        *density = areas->areas[index].density;
     else
-        density /= sagi_area_enlargement(group, surface->geometric_normal);
+        *density /= sagi_area_enlargement(group, surface->geometric_normal);
     if (group->depth > 0) sagi_area_map_outward(areas, group, surface);
+    return *density > 0 && isfinite(*density);
+}
+
+static bool sample_by_area(const sagi_areas *areas, uint32_t index, const sagi_shading_point *from,
+                           sag_vec2 u, sag_surface *surface, sag_vec3 *wi, double *pdf) {
+    double density;
+    if (!sagi_area_point(areas, index, u, surface, &density)) return false;
     const sag_vec3 d = sag_sub(surface->position, from->position);
     const double distance2 = sag_dot(d, d);
     *wi = sag_scale(d, 1 / sqrt(distance2));

@@ -76,6 +76,10 @@ sagi_light_bounds sagi_area_bounds(const sagi_areas *areas, uint32_t index);
 // where there is none.
 bool sagi_area_sample(const sagi_areas *areas, uint32_t index, const sagi_shading_point *from, sag_vec2 u,
                       sag_surface *surface, sag_vec3 *wi, double *pdf);
+// A point of the light, wherever it is wanted, and its density by area; its normals are as they are
+// (sagi_replace_texcoords, sagi_orient). False where there is none.
+bool sagi_area_point(const sagi_areas *areas, uint32_t index, sag_vec2 u, sag_surface *surface,
+                     double *density);
 // Which light a hit has met; SAG_INVALID_ID: one that is not sampled, or none at all.
 uint32_t sagi_area_find(const sagi_areas *areas, const sag_hit *hit, const sag_surface *surface);
 // The density with which sagi_area_sample finds the hit's point, per solid angle seen from there.

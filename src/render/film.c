@@ -36,7 +36,7 @@ sag_status sagi_film_bounds(const sag_film *film, sagi_bounds *bounds, sag_error
     return SAG_OK;
 }
 
-static void note_bad(sag_render *render, const sagi_pixel *pixel, uint32_t sample) {
+void sagi_film_note_bad(sag_render *render, const sagi_pixel *pixel, uint32_t sample) {
     const size_t index = (size_t)(pixel - render->pixels);
     const uint64_t x = index % render->width + render->first_x, y = index / render->width + render->first_y;
     uint_fast64_t carried = y << 48 | x << 32 | sample;
@@ -52,10 +52,12 @@ static void note_bad(sag_render *render, const sagi_pixel *pixel, uint32_t sampl
 }
 
 void sagi_film_add(sag_render *render, sagi_pixel *pixel, uint32_t sample, double weight, sag_rgb value) {
-    if (!sagi_pixel_add(pixel, weight, value, render->max_component)) note_bad(render, pixel, sample);
+    if (!sagi_pixel_add(pixel, weight, value, render->max_component))
+        sagi_film_note_bad(render, pixel, sample);
 }
 
 sag_rgb sagi_film_value(const sag_render *render, const sagi_pixel *pixel) {
+    if (render->splats) return sagi_splat_value(render, (size_t)(pixel - render->pixels));
     if (pixel->count == 0) return sagi_rgb_grey(0);
     const double sum[3] = {pixel->r, pixel->g, pixel->b};
     double value[3] = {pixel->r, pixel->g, pixel->b};

@@ -5,12 +5,22 @@
 
 #include "color.h"
 
+#include <stdatomic.h>
+
 // The running sum of one pixel. One thread owns a pixel and adds its samples in order.
 typedef struct sagi_pixel {
     double r, g, b; // weighted
     double weight;
     uint32_t count; // samples summed: bad ones are not
 } sagi_pixel;
+
+// Sums that anybody adds to, in any order (splat.c).
+typedef struct sagi_fixed {
+    atomic_uint_fast64_t low, high;
+} sagi_fixed;
+typedef struct sagi_splat {
+    sagi_fixed channel[3];
+} sagi_splat;
 
 // Adds a sample, dimmed until no component exceeds `most`; false, adding nothing, for one that is not finite.
 static inline bool sagi_pixel_add(sagi_pixel *pixel, double weight, sag_rgb value, double most) {

@@ -70,6 +70,14 @@ static double tabulate(const sag_film *film, double radius, sagi_filter_curve *c
     return total / absolute;
 }
 
+// From −radius to radius.
+static double integral(const sag_film *film, double radius) {
+    const int points = 16 * SAGI_FILTER_CELLS;
+    double sum = 0;
+    for (int i = 0; i < points; i++) sum += sagi_filter_curve_at(film, radius, radius * (i + 0.5) / points);
+    return 2 * radius * sum / points;
+}
+
 sag_status sagi_filter_init(sagi_filter *filter, const sag_film *film, sag_error *error) {
     const double numbers[] = {film->filter_radius_x, film->filter_radius_y, film->filter_sigma,
                               film->filter_tau};
@@ -90,6 +98,7 @@ sag_status sagi_filter_init(sagi_filter *filter, const sag_film *film, sag_error
     filter->radius_x = film->filter_radius_x > 0 ? film->filter_radius_x : radius;
     filter->radius_y = film->filter_radius_y > 0 ? film->filter_radius_y : radius;
     filter->mean_weight = 1;
+    filter->integral = integral(film, filter->radius_x) * integral(film, filter->radius_y);
     if (film->filter == SAG_FILTER_BOX || film->filter == SAG_FILTER_TRIANGLE) return SAG_OK;
     filter->mean_weight =
         tabulate(film, filter->radius_x, &filter->x) * tabulate(film, filter->radius_y, &filter->y);

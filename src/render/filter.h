@@ -18,6 +18,7 @@ typedef struct sagi_filter_curve {
 typedef struct sagi_filter {
     sag_filter_kind kind;
     double radius_x, radius_y;
+    double integral;        // of the curves of sagi_filter_curve_at
     double mean_weight;     // of many samples: ∫f / ∫|f|
     sagi_filter_curve x, y; // Gaussian, Mitchell, sinc
 } sagi_filter;

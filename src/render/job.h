@@ -42,6 +42,7 @@ struct sag_render {
     sagi_wave *waves;                         // one for each thread that takes part
     double max_component;                     // of a sample
     sagi_pixel *pixels;                       // width·height
+    sagi_splat *splats;                       // as many, of light followed from the lamps; else NULL
     sagi_layer_pixel *layers;                 // as many, or NULL when the film asks for none
     uint32_t *tile_done;                      // samples taken of each pixel of a tile
     atomic_uint_fast64_t rays, camera_samples, bad_samples, thread_ns, traversal_ns;
@@ -71,6 +72,10 @@ typedef struct sagi_bounds {
 sag_status sagi_film_bounds(const sag_film *film, sagi_bounds *bounds, sag_error *error);
 // Adds a sample to its pixel; one that is not finite is noted instead.
 void sagi_film_add(sag_render *render, sagi_pixel *pixel, uint32_t sample, double weight, sag_rgb value);
+void sagi_film_note_bad(sag_render *render, const sagi_pixel *pixel, uint32_t sample);
+// Adds what a path from a lamp brings to a place of the film; and what all so far make of a pixel.
+void sagi_splat_add(sag_render *render, const sagi_path *path, sag_vec2 place, sagi_spectrum light);
+sag_rgb sagi_splat_value(const sag_render *render, size_t pixel);
 // What all samples so far make of a pixel.
 sag_rgb sagi_film_value(const sag_render *render, const sagi_pixel *pixel);
 // The first few samples that were not finite, as sag_render_stats has them.
@@ -86,7 +91,8 @@ void sagi_layers_add(sag_render *render, const sagi_pixel *at, const sagi_first 
 static inline bool sagi_is_spectral(const sag_render *render) {
     return render->settings.integrator == SAG_INTEGRATOR_PATH ||
            render->settings.integrator == SAG_INTEGRATOR_DIRECT ||
-           render->settings.integrator == SAG_INTEGRATOR_VOLPATH;
+           render->settings.integrator == SAG_INTEGRATOR_VOLPATH ||
+           render->settings.integrator == SAG_INTEGRATOR_LIGHTPATH;
 }
 
 #endif

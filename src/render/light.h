@@ -49,6 +49,8 @@ typedef struct sagi_lights {
     sagi_light_tree tree;
     uint32_t *far;
     uint32_t far_count;
+    sag_vec3 center; // of a ball that holds the scene
+    double radius;
     sagi_alias choice; // else: of the lights, then the areas
 } sagi_lights;
 

@@ -51,7 +51,10 @@ static sag_status init_light(sagi_light *light, const sag_light *description, co
     }
     light->axis = sag_normalize(description->kind == SAG_LIGHT_DISTANT ? sag_neg(along) : along);
     if (description->kind == SAG_LIGHT_INFINITE)
-        return sagi_sky_init(light, world->context, world->settings.strategy == SAG_STRATEGY_MIS, error);
+        return sagi_sky_init(light, world->context,
+                             world->settings.strategy == SAG_STRATEGY_MIS &&
+                                 world->settings.integrator != SAG_INTEGRATOR_LIGHTPATH,
+                             error);
     const bool beam = description->kind == SAG_LIGHT_GONIOMETRIC || description->kind == SAG_LIGHT_PROJECTION;
     return beam ? sagi_beam_init(light, error) : SAG_OK;
 }
@@ -106,10 +109,15 @@ static double light_power(const sagi_light *light, double radius) {
     return sagi_square(2 * SAGI_RENDER_PI * radius) * fmax(brightness, sagi_rgb_mean(light->light.horizon));
 }
 
-static double scene_radius(const sag_world *world) {
-    const sag_box3 box = sag_scene_bounds(world->scene);
-    const double radius = sag_length(sag_sub(box.max, box.min)) / 2;
-    return radius > 0 && isfinite(radius) ? radius : 1;
+// The ball around the scene's box; of a scene without bounds, or without anything, one of radius 1.
+static bool find_ball(sagi_lights *lights) {
+    const sag_box3 box = sag_scene_bounds(lights->world->scene);
+    lights->radius = sag_length(sag_sub(box.max, box.min)) / 2 * 1.001;
+    lights->center = sag_scale(sag_add(box.min, box.max), 0.5);
+    if (lights->radius > 0 && isfinite(lights->radius) && sag_is_finite(lights->center)) return true;
+    lights->radius = 1;
+    lights->center = (sag_vec3){0, 0, 0};
+    return false;
 }
 
 static double area_power(const sagi_areas *areas, uint32_t index) {
@@ -126,7 +134,7 @@ static bool make_table(sagi_lights *lights) {
     const uint32_t count = lights->light_count + lights->areas.count;
     double *weights = sag_allocate(context, count * sizeof *weights), sum = 0;
     if (!weights) return false;
-    const double radius = scene_radius(lights->world);
+    const double radius = lights->radius;
     for (uint32_t i = 0; i < count; i++) {
         weights[i] = i < lights->light_count ? light_power(&lights->lights[i], radius)
                                              : area_power(&lights->areas, i - lights->light_count);
@@ -166,6 +174,9 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
     const sag_context *context = world->context;
     *lights = (sagi_lights){
         .world = world, .strategy = world->settings.strategy, .sampler = world->settings.light_sampler};
+    const bool from_lamps = world->settings.integrator == SAG_INTEGRATOR_LIGHTPATH;
+    if (from_lamps) lights->sampler = SAG_LIGHT_SAMPLER_POWER; // nothing is lit yet
+    const bool bounded = find_ball(lights);
     size_t light_count = world->lights.count;
     if (light_count) {
         lights->lights = sag_allocate(context, light_count * sizeof *lights->lights);
@@ -177,6 +188,10 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
         const sag_light *description = (const sag_light *)world->lights.items + i;
         sag_status status = init_light(&lights->lights[i], description, world, i + 1, error);
         if (status != SAG_OK) return status;
+        if (from_lamps && !bounded && sagi_light_is_far(&lights->lights[i]))
+            sag_context_log(
+                context, SAG_LOG_WARNING,
+                "light from infinity is followed into a ball of radius 1 only: the scene has no bounds");
     }
     const sag_status status = sagi_areas_init(&lights->areas, world, error);
     if (status != SAG_OK) return status;

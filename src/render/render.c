@@ -92,11 +92,16 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     render->tile_done = sag_allocate(render->context, tile_bytes);
     const bool layered = (film->layers & ~(uint32_t)SAG_LAYER_PICTURE) != 0;
     const size_t layer_bytes = (size_t)render->width * render->height * sizeof *render->layers;
+    const bool from_lamps = render->settings.integrator == SAG_INTEGRATOR_LIGHTPATH;
+    const size_t splat_bytes = (size_t)render->width * render->height * sizeof *render->splats;
+    if (from_lamps) render->splats = sag_allocate(render->context, splat_bytes);
     if (layered) render->layers = sag_allocate(render->context, layer_bytes);
-    if (!render->pixels || !render->tile_done || (layered && !render->layers))
+    if (!render->pixels || !render->tile_done || (layered && !render->layers) ||
+        (from_lamps && !render->splats))
         return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels",
                              (unsigned)render->width, (unsigned)render->height);
     memset(render->pixels, 0, pixel_bytes);
+    if (from_lamps) memset(render->splats, 0, splat_bytes);
     if (layered) memset(render->layers, 0, layer_bytes);
     memset(render->tile_done, 0, tile_bytes);
     return make_waves(render, error);
@@ -134,6 +139,7 @@ void sag_render_destroy(sag_render *render) {
     sag_release(render->context, render->waves, render->wave_count * sizeof *render->waves);
     size_t pixel_count = (size_t)render->width * render->height;
     sag_release(render->context, render->pixels, pixel_count * sizeof *render->pixels);
+    sag_release(render->context, render->splats, pixel_count * sizeof *render->splats);
     sag_release(render->context, render->layers, pixel_count * sizeof *render->layers);
     size_t tile_count = (size_t)render->tiles_x * render->tiles_y;
     sag_release(render->context, render->tile_done, tile_count * sizeof *render->tile_done);
@@ -153,6 +159,7 @@ static void finish_wave(sag_render *render, sagi_wave *wave) {
     sagi_wave_follow(wave);
     for (uint32_t i = 0; i < wave->path_count; i++) {
         const sagi_path *path = &wave->paths[i];
+        if (render->splats) break; // all that they brought is on the film
         const sag_rgb value = path_value(render, path);
         sagi_film_add(render, path->pixel, path->sampler.sample, path->pixel_weight, value);
         if (wave->firsts) sagi_layers_add(render, path->pixel, &wave->firsts[i], path->pixel_weight, value);

@@ -3,16 +3,29 @@
 #include "job.h"
 #include "warp.h"
 
+// As pbrt-v4: around the true normal.
 static void add_ambient_occlusion(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
+    const sag_settings *settings = &wave->render->settings;
     const sagi_bsdf *bsdf = &meeting->bsdf;
-    sag_vec3 local = sagi_warp_cosine(sagi_sampler_2d(&path->sampler));
-    sag_vec3 n = bsdf->wo.z < 0 ? sag_neg(bsdf->n) : bsdf->n, s, t;
+    const sag_vec2 u = sagi_sampler_2d(&path->sampler);
+    sag_vec3 local = sagi_warp_cosine(u);
+    double weight = 1;
+    if (settings->occlusion_uniform) {
+        local = sagi_warp_sphere(u);
+        local.z = fabs(local.z);
+        weight = 2 * local.z; // cos θ/π by 1/2π
+    }
+    const sag_vec3 n = bsdf->wo_side < 0 ? sag_neg(bsdf->geometric) : bsdf->geometric;
+    sag_vec3 s, t;
     sag_frame(n, &s, &t);
     sagi_light_sample sample = {.target = SAGI_TARGET_FAR};
     sample.wi = sag_madd(sag_madd(sag_scale(s, local.x), local.y, t), local.z, n);
-    // Below the true surface (the shading normal leans over): not visible.
-    if (!(sag_dot(sample.wi, bsdf->geometric) * bsdf->wo_side > 0)) return;
-    sagi_wave_add_light(wave, path, &meeting->surface, 0, &sample, sagi_spectrum_all(1));
+    if (!(sag_dot(sample.wi, n) > 0)) return;
+    if (settings->occlusion_distance > 0 && isfinite(settings->occlusion_distance)) {
+        sample.target = SAGI_TARGET_POINT;
+        sample.point = sag_madd(meeting->surface.position, settings->occlusion_distance, sample.wi);
+    }
+    sagi_wave_add_light(wave, path, &meeting->surface, 0, &sample, sagi_spectrum_all(weight));
 }
 
 static sag_rgb normal_color(const sagi_bsdf *bsdf) {
@@ -48,6 +61,7 @@ void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting) {
         break;
     case SAG_INTEGRATOR_PATH:
     case SAG_INTEGRATOR_DIRECT:
+    case SAG_INTEGRATOR_LIGHTPATH:
     case SAG_INTEGRATOR_VOLPATH: break;
     }
 }

@@ -13,7 +13,7 @@
 // next step), and the pixels get their samples in the order these were started.
 #include "start.h"
 
-bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
+bool sagi_wave_init(sagi_wave *wave, sag_render *render) {
     const sag_context *context = render->context;
     wave->render = render;
     wave->paths = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->paths);
@@ -24,11 +24,13 @@ bool sagi_wave_init(sagi_wave *wave, const sag_render *render) {
     wave->shadow_rays = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     wave->occluded = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->occluded);
     wave->glances = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->glances);
+    const bool from_lamps = render->splats != NULL;
+    if (from_lamps) wave->places = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->places);
     if (render->layers) wave->firsts = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->firsts);
     if (render->see_through) wave->samples = sag_allocate(context, SAGI_WAVE_SIZE * sizeof *wave->samples);
-    return (wave->samples || !render->see_through) && (wave->firsts || !render->layers) && wave->paths &&
-           wave->active && wave->rays && wave->glances && wave->hits && wave->shadows && wave->shadow_rays &&
-           wave->occluded;
+    return (wave->samples || !render->see_through) && (wave->firsts || !render->layers) &&
+           (wave->places || !from_lamps) && wave->paths && wave->active && wave->rays && wave->glances &&
+           wave->hits && wave->shadows && wave->shadow_rays && wave->occluded;
 }
 
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
@@ -40,6 +42,7 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
     sag_release(context, wave->shadow_rays, SAGI_WAVE_SIZE * sizeof *wave->shadow_rays);
     sag_release(context, wave->occluded, SAGI_WAVE_SIZE * sizeof *wave->occluded);
     sag_release(context, wave->glances, SAGI_WAVE_SIZE * sizeof *wave->glances);
+    sag_release(context, wave->places, SAGI_WAVE_SIZE * sizeof *wave->places);
     sag_release(context, wave->firsts, SAGI_WAVE_SIZE * sizeof *wave->firsts);
     sag_release(context, wave->samples, SAGI_WAVE_SIZE * sizeof *wave->samples);
 }
@@ -56,6 +59,13 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
         if (render->has_media) path->medium = render->settings.camera_medium;
         sagi_sampler_start_pixel(&path->sampler, x, y);
         wave->active[wave->active_count] = path;
+        if (wave->places) {
+            sagi_sampler_start_sample(&path->sampler, sample);
+            path->wavelengths =
+                sagi_wavelengths_sample(&render->wavelengths, sagi_sampler_1d(&path->sampler));
+            wave->active_count += sagi_particle_start(wave, path, &wave->rays[wave->active_count]);
+            continue;
+        }
         path->pixel_weight =
             sagi_camera_sample(render, &path->sampler, x, y, sample, &wave->rays[wave->active_count++]);
         if (spectral)
@@ -84,7 +94,7 @@ static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *
     sagi_course course = sagi_trace(wave->render, path, ray, hit, &meeting);
     if (course == SAGI_COURSE_ON) return true;
     sagi_meeting *met = course == SAGI_COURSE_MEETING ? &meeting : NULL;
-    if (wave->firsts && met && path->depth == 0)
+    if (wave->firsts && met && path->depth == 0 && !wave->places)
         sagi_layers_note(wave->render, path, ray, met, &wave->firsts[path - wave->paths]);
     switch (wave->render->settings.integrator) {
     case SAG_INTEGRATOR_PATH:
@@ -92,6 +102,10 @@ static bool step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *
     case SAG_INTEGRATOR_VOLPATH:
         if (!sagi_path_step(wave, path, met, ray)) return false;
         path->distance = 0;
+        path->passed = 0;
+        return true;
+    case SAG_INTEGRATOR_LIGHTPATH:
+        if (!sagi_particle_step(wave, path, met, ray)) return false;
         path->passed = 0;
         return true;
     case SAG_INTEGRATOR_AO:
@@ -126,7 +140,13 @@ static void step_all(sagi_wave *wave) {
     wave->active_count = kept;
 }
 
-static void add_light(const sagi_shadow *shadow) { shadow->path->radiance += shadow->light; }
+static void add_light(const sagi_wave *wave, uint32_t i) {
+    const sagi_shadow *shadow = &wave->shadows[i];
+    if (wave->places)
+        sagi_splat_add(wave->render, shadow->path, wave->places[i], shadow->light);
+    else
+        shadow->path->radiance += shadow->light;
+}
 
 // The light of this step, where nothing is in its way.
 static void add_lights(sagi_wave *wave) {
@@ -135,7 +155,7 @@ static void add_lights(sagi_wave *wave) {
     wave->traversal_seconds += sagi_clock_seconds() - start;
     wave->rays_traced += wave->shadow_count;
     for (uint32_t i = 0; i < wave->shadow_count; i++)
-        if (!wave->occluded[i]) add_light(&wave->shadows[i]);
+        if (!wave->occluded[i]) add_light(wave, i);
     wave->shadow_count = 0;
 }
 
@@ -150,9 +170,10 @@ static void add_lights_through(sagi_wave *wave) {
             if (shadow->medium != 0) sagi_volume_dim(wave->render, shadow, &ray, &wave->hits[i]);
             const sagi_course course =
                 sagi_trace_shadow(wave->render, &wave->samples[i], &ray, &wave->hits[i], &shadow->medium);
-            if (course == SAGI_COURSE_AWAY) add_light(&wave->shadows[i]);
+            if (course == SAGI_COURSE_AWAY) add_light(wave, i);
             if (course != SAGI_COURSE_ON) continue;
             if (kept != i) wave->samples[kept] = wave->samples[i], wave->shadows[kept] = wave->shadows[i];
+            if (wave->places) wave->places[kept] = wave->places[i];
             wave->shadow_rays[kept++] = ray;
         }
         wave->shadow_count = kept;
@@ -160,13 +181,18 @@ static void add_lights_through(sagi_wave *wave) {
     wave->shadow_count = 0; // given up
 }
 
+static void add_waiting_lights(sagi_wave *wave) {
+    if (wave->shadow_count == 0) return;
+    if (wave->render->see_through)
+        add_lights_through(wave);
+    else
+        add_lights(wave);
+}
+
 void sagi_wave_follow(sagi_wave *wave) {
+    add_waiting_lights(wave); // of lamps that are seen themselves
     while (wave->active_count > 0) {
         step_all(wave);
-        if (wave->shadow_count == 0) continue;
-        if (wave->render->see_through)
-            add_lights_through(wave);
-        else
-            add_lights(wave);
+        add_waiting_lights(wave);
     }
 }

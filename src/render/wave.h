@@ -33,7 +33,7 @@ typedef struct sagi_path {
         sag_rgb shown; // by the integrators that show something
     };
     sagi_shading_point from; // the last surface that scattered
-    double surface_pdf;      // with which it chose this ray
+    double surface_pdf;      // with which it chose this ray; from a lamp: how far the light's window is
     double eta2;             // product of the η² crossed
     double distance;         // along this ray, in its directions, up to where it is now
     uint32_t passed;         // surfaces on this ray that are not there
@@ -75,7 +75,7 @@ typedef struct sagi_glance {
 // The samples one thread follows together; arrays have room for SAGI_WAVE_SIZE. On cache lines of its own, as
 // other threads' waves lie beside it.
 typedef struct sagi_wave {
-    _Alignas(64) const sag_render *render;
+    _Alignas(64) sag_render *render;
     sagi_path *paths; // in the order they were started
     uint32_t path_count;
     // The paths that go on, each with its ray and, once traced, what it hit.
@@ -89,6 +89,7 @@ typedef struct sagi_wave {
     sag_ray *shadow_rays;
     bool *occluded;
     sagi_light_sample *samples; // what the shadow rays go to; only where they may have to go on, else NULL
+    sag_vec2 *places;           // on the film, of the shadow rays of light from the lamps; else NULL
     sagi_first *firsts;         // what each path met first; NULL when no layer asks for it
     sagi_glance *glances;       // samples that are no paths (glance.c)
     uint64_t rays_traced;
@@ -96,7 +97,7 @@ typedef struct sagi_wave {
 } sagi_wave;
 
 // False when memory is short; clear it then too. `wave` is zeroed.
-bool sagi_wave_init(sagi_wave *wave, const sag_render *render);
+bool sagi_wave_init(sagi_wave *wave, sag_render *render);
 void sagi_wave_clear(sagi_wave *wave, const sag_context *context);
 // Starts samples number first … end − 1 of the pixel at (x, y). The wave has room for them.
 void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
@@ -104,7 +105,6 @@ void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y,
 // Follows all paths to their ends: then paths[0 … path_count) have their radiance.
 void sagi_wave_follow(sagi_wave *wave);
 // Adds light to a path if the sampled light is seen from the surface: at once, or before the path's next
-// step.
 // step. The shadow ray begins in the path's medium, or in `medium`.
 void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *from, uint32_t medium,
                          const sagi_light_sample *sample, sagi_spectrum light);
@@ -155,6 +155,10 @@ sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample 
 // The integrators: what happens where a path's ray has met something (NULL: nothing). True when the path goes
 // on with what is then in *ray.
 bool sagi_path_step(sagi_wave *wave, sagi_path *path, sagi_meeting *meeting, sag_ray *ray);
+// The same for light that is followed from the lamps (particle.c): its radiance is what left the lamp. How it
+// starts; false where it ends at once.
+bool sagi_particle_step(sagi_wave *wave, sagi_path *path, sagi_meeting *meeting, sag_ray *ray);
+bool sagi_particle_start(sagi_wave *wave, sagi_path *path, sag_ray *ray);
 // The same for those that show what the camera's ray met: they end there.
 void sagi_show(sagi_wave *wave, sagi_path *path, const sagi_meeting *meeting);
 

@@ -110,6 +110,55 @@ static void test_settings(void **state) {
     sag_world_destroy(world);
 }
 
+static void test_integrators(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        sag_integrator_kind kind;
+        sag_strategy strategy;
+        sag_light_sampler lights;
+        int warnings;
+    } cases[] = {
+        {"path", SAG_INTEGRATOR_PATH, SAG_STRATEGY_MIS, SAG_LIGHT_SAMPLER_BVH, 0},
+        {"volpath\" \"string lightsampler\" \"power", SAG_INTEGRATOR_VOLPATH, SAG_STRATEGY_MIS,
+         SAG_LIGHT_SAMPLER_POWER, 0},
+        {"path\" \"string lightsampler\" \"exhaustive", SAG_INTEGRATOR_PATH, SAG_STRATEGY_MIS,
+         SAG_LIGHT_SAMPLER_BVH, 1},
+        {"lightpath", SAG_INTEGRATOR_LIGHTPATH, SAG_STRATEGY_MIS, SAG_LIGHT_SAMPLER_BVH, 0},
+        {"simplepath", SAG_INTEGRATOR_PATH, SAG_STRATEGY_LIGHTS, SAG_LIGHT_SAMPLER_UNIFORM, 0},
+        {"simplepath\" \"bool samplebsdf\" false \"bool samplelights\" false \"integer maxdepth\" 3 \"string "
+         "lightsampler\" \"power",
+         SAG_INTEGRATOR_PATH, SAG_STRATEGY_SURFACES, SAG_LIGHT_SAMPLER_UNIFORM, 0},
+        {"simplevolpath", SAG_INTEGRATOR_VOLPATH, SAG_STRATEGY_MIS, SAG_LIGHT_SAMPLER_UNIFORM, 0},
+        {"randomwalk", SAG_INTEGRATOR_PATH, SAG_STRATEGY_SURFACES, SAG_LIGHT_SAMPLER_BVH, 0},
+        {"bdpt\" \"bool visualizestrategies\" true \"string x\" \"", SAG_INTEGRATOR_VOLPATH, SAG_STRATEGY_MIS,
+         SAG_LIGHT_SAMPLER_BVH, 1},
+        {"mlt\" \"integer chains\" 7 \"string x\" \"", SAG_INTEGRATOR_VOLPATH, SAG_STRATEGY_MIS,
+         SAG_LIGHT_SAMPLER_BVH, 1},
+        {"sppm", SAG_INTEGRATOR_VOLPATH, SAG_STRATEGY_MIS, SAG_LIGHT_SAMPLER_BVH, 1},
+        {"function", SAG_INTEGRATOR_VOLPATH, SAG_STRATEGY_MIS, SAG_LIGHT_SAMPLER_BVH, 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[400];
+        snprintf(text, sizeof text, "Integrator \"%s\" " W, cases[i].text);
+        sag_world *world = scene_load_good(text);
+        const sag_settings *s = sag_world_settings(world);
+        assert_true(s->integrator == cases[i].kind && s->strategy == cases[i].strategy);
+        assert_true(s->light_sampler == cases[i].lights);
+        assert_int_equal(scene_warning_count, cases[i].warnings);
+        sag_world_destroy(world);
+    }
+    sag_world *world = scene_load_good(
+        "Integrator \"ambientocclusion\" \"bool cossample\" false \"float maxdistance\" 3 " W);
+    const sag_settings *s = sag_world_settings(world);
+    assert_true(s->integrator == SAG_INTEGRATOR_AO && s->occlusion_uniform && s->occlusion_distance == 3);
+    sag_world_destroy(world);
+    world = scene_load_good("Integrator \"ambientocclusion\" " W);
+    s = sag_world_settings(world);
+    assert_true(!s->occlusion_uniform && s->occlusion_distance == 0);
+    sag_world_destroy(world);
+}
+
 static void test_shapes(void **state) {
     (void)state;
     static const struct {
@@ -411,6 +460,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_transforms),
         cmocka_unit_test(test_settings),
+        cmocka_unit_test(test_integrators),
         cmocka_unit_test(test_shapes),
         cmocka_unit_test(test_surface),
         cmocka_unit_test(test_corner_uv),

@@ -70,11 +70,11 @@ static sag_image render_in_waves(studio *s, uint32_t wave_size, sag_render_stats
 static void waves_change_no_bit(void **state) {
     (void)state;
     const sag_integrator_kind integrators[] = {SAG_INTEGRATOR_PATH, SAG_INTEGRATOR_DIRECT, SAG_INTEGRATOR_AO,
-                                               SAG_INTEGRATOR_DEPTH};
+                                               SAG_INTEGRATOR_DEPTH, SAG_INTEGRATOR_LIGHTPATH};
     const struct {
         uint32_t wave_size, threads;
     } ways[] = {{7, 1}, {SAGI_WAVE_SIZE, 1}, {SAGI_WAVE_SIZE, 2}, {SAGI_WAVE_SIZE, 3}, {1, 3}};
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
         for (int veiled = 0; veiled < 2; veiled++) {
             studio alone = studio_open(1);
             furnish(&alone, veiled);

@@ -34,14 +34,19 @@ typedef enum sag_integrator_kind {
     SAG_INTEGRATOR_PATH,   ///< all light paths: next-event estimation, multiple importance sampling, Russian
                            ///< roulette
     SAG_INTEGRATOR_DIRECT, ///< light that bounces once, mirrors and glass followed
-    SAG_INTEGRATOR_AO, ///< ambient occlusion: the visible share of the cosine-weighted hemisphere; 0 where
-                       ///< nothing is hit
-    SAG_INTEGRATOR_NORMAL,  ///< (n + 1)/2 of the shading normal, turned to the camera
-    SAG_INTEGRATOR_UV,      ///< texture coordinates (u, v, 0), wrapped to [0, 1]
-    SAG_INTEGRATOR_DEPTH,   ///< distance from the camera's origin; 0 where nothing is hit
-    SAG_INTEGRATOR_ID,      ///< a colour for each geometry (and instance)
-    SAG_INTEGRATOR_ALBEDO,  ///< reflectance
-    SAG_INTEGRATOR_VOLPATH, ///< as path, through media
+    SAG_INTEGRATOR_AO, ///< ambient occlusion: the share of the cosine-weighted hemisphere over the surface
+                       ///< (its true normal's) in which nothing is within occlusion_distance; 0 where nothing
+                       ///< is hit
+    SAG_INTEGRATOR_NORMAL,    ///< (n + 1)/2 of the shading normal, turned to the camera
+    SAG_INTEGRATOR_UV,        ///< texture coordinates (u, v, 0), wrapped to [0, 1]
+    SAG_INTEGRATOR_DEPTH,     ///< distance from the camera's origin; 0 where nothing is hit
+    SAG_INTEGRATOR_ID,        ///< a colour for each geometry (and instance)
+    SAG_INTEGRATOR_ALBEDO,    ///< reflectance
+    SAG_INTEGRATOR_VOLPATH,   ///< as path, through media
+    SAG_INTEGRATOR_LIGHTPATH, ///< light followed from the lamps to what the camera sees: good caustics, but
+                              ///< nothing in mirrors and through smooth glass, no background and no layers.
+                              ///< Its lamps are chosen by power, its sums are exact: the same bits however
+                              ///< many threads there are. Test: tests/render/test_particle.c
 } sag_integrator_kind;
 
 /// How the path tracer finds the light that reaches a surface. All three have the same mean; for comparison.
@@ -76,7 +81,9 @@ typedef struct sag_settings {
                            ///< caustics for far less noise. Off by default
     sag_strategy strategy; ///< path and direct only
     sag_light_sampler light_sampler; ///< path and direct only
-    uint32_t camera_medium;          ///< the medium the camera stands in; 0: vacuum
+    double occlusion_distance;       ///< ambient occlusion only; 0: any distance
+    bool occlusion_uniform; ///< its directions are uniform and weighted by the cosine, for comparison
+    uint32_t camera_medium; ///< the medium the camera stands in; 0: vacuum
 } sag_settings;
 
 #endif
