@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // bench-render: how long whole pictures take beside pbrt-v4, and whether they are the same pictures. The
 // scenes are those of ../shared/scenes, with the sizes, seconds and images that pbrt-v4 made from the very
-// files (README.md there); its seconds are for 1024 samples a pixel and grow with the samples.
+// files (README.md there); its seconds are for 1024 samples a pixel and grow with the samples. Where pbrt-v4
+// itself is at hand (--pbrt) the two programs render in turns instead.
 #include "../bench.h"
 #include "render.h"
 #include <cjson/cJSON.h>
@@ -20,6 +21,8 @@ static const char usage[] =
     "  --spp N          samples a pixel (64)\n"
     "  --repeats N      the median of so many (1)\n"
     "  --threads N      0, the default: one a core\n"
+    "  --pbrt PROGRAM   run this pbrt-v4 too, before each of our own runs; without it: the seconds that it\n"
+    "                   took for the reference pictures\n"
     "  --folder DIR     keep the pictures there\n"
     "  --json FILE      write the results there\n"
     "\n"
@@ -32,15 +35,15 @@ static const subject_scene scenes[] = {
 enum { SCENES = sizeof scenes / sizeof *scenes, MOST_REPEATS = 101 };
 
 typedef struct options {
-    const char *folder, *json;
+    const char *folder, *json, *pbrt;
     unsigned repeats, scenes, spp, threads; // scenes: bits; 0: all
 } options;
 
 typedef struct outcome {
     const subject_scene *scene;
-    double seconds, load_seconds, build_seconds;
+    double seconds, load_seconds, build_seconds, pbrt_seconds;
     sag_render_stats stats;
-    size_t peak_bytes;
+    size_t peak_bytes, pbrt_bytes; // pbrt_bytes: its whole process; 0: not run
     bool compared;
     agreement agreement;
 } outcome;
@@ -48,6 +51,11 @@ typedef struct outcome {
 static int by_size(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+static double median(double *values, unsigned count) {
+    qsort(values, count, sizeof *values, by_size);
+    return (values[count / 2] + values[(count - 1) / 2]) / 2;
 }
 
 static bool complain(const char *name, const sag_error *error) {
@@ -80,20 +88,27 @@ static bool measure(const options *o, const subject_scene *scene, outcome *r) {
     if (!good) complain(scene->name, &error);
     r->load_seconds = seconds_now() - start;
     sag_image image = {0}, wanted = {0};
-    double seconds[MOST_REPEATS];
+    double seconds[MOST_REPEATS], pbrt[MOST_REPEATS];
+    pbrt_scene theirs = {{0}};
     if (good) {
         sag_settings *settings = sag_world_settings(world);
         settings->film.width = scene->width, settings->film.height = scene->height;
         settings->samples_per_pixel = o->spp;
     }
+    if (good && o->pbrt != NULL && !(good = pbrt_prepare(&theirs, scene)))
+        fprintf(stderr, "bench-render: %s: no copy for pbrt-v4 could be made in /tmp\n", scene->name);
     for (unsigned i = 0; i < o->repeats && good; i++) {
+        if (o->pbrt != NULL && !pbrt_run(&theirs, o->pbrt, o->spp, o->threads, &pbrt[i], &r->pbrt_bytes)) {
+            good = false;
+            break;
+        }
         good = render_once(world, r, &image);
         seconds[i] = r->stats.trace_seconds;
         if (i == 0) r->build_seconds = r->stats.build_seconds;
     }
     if (good) {
-        qsort(seconds, o->repeats, sizeof *seconds, by_size);
-        r->seconds = (seconds[o->repeats / 2] + seconds[(o->repeats - 1) / 2]) / 2;
+        r->seconds = median(seconds, o->repeats);
+        r->pbrt_seconds = o->pbrt != NULL ? median(pbrt, o->repeats) : scene->pbrt_seconds * o->spp / 1024;
         snprintf(path, sizeof path, BENCH_DATA "/scenes/reference/%s.exr", scene->name);
         r->compared = sag_image_read(context, path, SAG_ENCODING_DEFAULT, &wanted, &error) == SAG_OK &&
                       agree(&image, &wanted, &r->agreement);
@@ -107,27 +122,31 @@ static bool measure(const options *o, const subject_scene *scene, outcome *r) {
     }
     sag_image_clear(context, &image);
     sag_image_clear(context, &wanted);
+    pbrt_forget(&theirs);
     sag_world_destroy(world);
     sag_context_destroy(context);
     return good;
 }
 
-static double pbrt_seconds(const outcome *o, unsigned spp) { return o->scene->pbrt_seconds * spp / 1024; }
-
 static void print_heading(const options *o) {
-    printf("\n  %u samples a pixel; seconds of tracing alone, pbrt-v4's of rendering\n\n", o->spp);
-    printf("  %-12s %9s %8s %8s %6s %10s %8s %9s %9s   %9s %7s %7s %7s %8s %8s\n", "scene", "size", "seconds",
-           "pbrt", "ratio", "Msamples/s", "Mrays/s", "traversal", "memory", "luminance", "R", "G", "B",
-           "blocks", "pixels");
+    printf("\n  %u samples a pixel; seconds of tracing alone, pbrt-v4's of rendering%s\n\n", o->spp,
+           o->pbrt != NULL ? " (in the same run, in turns)" : " (when it made the reference pictures)");
+    printf("  %-12s %9s %8s %8s %6s %10s %8s %9s %9s %9s   %9s %7s %7s %7s %8s %8s\n", "scene", "size",
+           "seconds", "pbrt", "ratio", "Msamples/s", "Mrays/s", "traversal", "memory", "pbrt's", "luminance",
+           "R", "G", "B", "blocks", "pixels");
 }
 
-static void print_outcome(const outcome *o, unsigned spp) {
+static void print_outcome(const outcome *o) {
     char size[32];
     snprintf(size, sizeof size, "%u x %u", o->scene->width, o->scene->height);
     printf("  %-12s %9s %8.2f %8.2f %6.2f %10.3f %8.2f %7.0f %% %6.0f MB", o->scene->name, size, o->seconds,
-           pbrt_seconds(o, spp), pbrt_seconds(o, spp) / o->seconds,
-           (double)o->stats.camera_samples / o->seconds / 1e6, (double)o->stats.rays / o->seconds / 1e6,
+           o->pbrt_seconds, o->pbrt_seconds / o->seconds, (double)o->stats.camera_samples / o->seconds / 1e6,
+           (double)o->stats.rays / o->seconds / 1e6,
            100 * o->stats.traversal_seconds / o->stats.thread_seconds, (double)o->peak_bytes / 1e6);
+    if (o->pbrt_bytes != 0)
+        printf(" %6.0f MB", (double)o->pbrt_bytes / 1e6);
+    else
+        printf(" %9s", "");
     const agreement *a = &o->agreement;
     if (o->compared)
         printf("   %9.4f %7.3f %7.3f %7.3f %6.2f %% %6.1f %%", a->luminance, a->channels[0], a->channels[1],
@@ -147,7 +166,8 @@ static bool write_json(const char *path, const outcome *outcomes, size_t count, 
         cJSON_AddNumberToObject(json, "height", r->scene->height);
         cJSON_AddNumberToObject(json, "samples_per_pixel", o->spp);
         cJSON_AddNumberToObject(json, "seconds", r->seconds);
-        cJSON_AddNumberToObject(json, "pbrt_seconds", pbrt_seconds(r, o->spp));
+        cJSON_AddNumberToObject(json, "pbrt_seconds", r->pbrt_seconds);
+        cJSON_AddBoolToObject(json, "pbrt_in_this_run", o->pbrt != NULL);
         cJSON_AddNumberToObject(json, "load_seconds", r->load_seconds);
         cJSON_AddNumberToObject(json, "build_seconds", r->build_seconds);
         cJSON_AddNumberToObject(json, "samples_per_second", (double)r->stats.camera_samples / r->seconds);
@@ -156,6 +176,7 @@ static bool write_json(const char *path, const outcome *outcomes, size_t count, 
                                 r->stats.traversal_seconds / r->stats.thread_seconds);
         cJSON_AddNumberToObject(json, "bad_samples", (double)r->stats.bad_samples);
         cJSON_AddNumberToObject(json, "peak_bytes", (double)r->peak_bytes);
+        if (r->pbrt_bytes != 0) cJSON_AddNumberToObject(json, "pbrt_peak_bytes", (double)r->pbrt_bytes);
         if (r->compared) {
             cJSON_AddNumberToObject(json, "luminance", r->agreement.luminance);
             cJSON_AddItemToObject(json, "channels", cJSON_CreateDoubleArray(r->agreement.channels, 3));
@@ -192,11 +213,15 @@ static bool read_scene(const char *name, unsigned *bits) {
 }
 
 int main(int argc, char **argv) {
-    static const struct option names[] = {
-        {"scene", required_argument, NULL, 's'},   {"spp", required_argument, NULL, 'n'},
-        {"repeats", required_argument, NULL, 'r'}, {"threads", required_argument, NULL, 't'},
-        {"folder", required_argument, NULL, 'f'},  {"json", required_argument, NULL, 'j'},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    static const struct option names[] = {{"scene", required_argument, NULL, 's'},
+                                          {"spp", required_argument, NULL, 'n'},
+                                          {"repeats", required_argument, NULL, 'r'},
+                                          {"threads", required_argument, NULL, 't'},
+                                          {"folder", required_argument, NULL, 'f'},
+                                          {"json", required_argument, NULL, 'j'},
+                                          {"pbrt", required_argument, NULL, 'p'},
+                                          {"help", no_argument, NULL, 'h'},
+                                          {0}};
     options o = {.repeats = 1, .spp = 64};
     for (int c; (c = getopt_long(argc, argv, "", names, NULL)) != -1;) {
         bool good = true;
@@ -207,6 +232,7 @@ int main(int argc, char **argv) {
         case 't': good = read_number(optarg, 0, 4096, &o.threads); break;
         case 'f': o.folder = optarg; break;
         case 'j': o.json = optarg; break;
+        case 'p': o.pbrt = optarg; break;
         case 'h': fputs(usage, stdout); return 0;
         default: good = false;
         }
@@ -221,7 +247,7 @@ int main(int argc, char **argv) {
     for (unsigned i = 0; i < SCENES; i++) {
         if (o.scenes != 0 && !(o.scenes >> i & 1)) continue;
         if (!measure(&o, &scenes[i], &outcomes[count])) return 1;
-        print_outcome(&outcomes[count++], o.spp);
+        print_outcome(&outcomes[count++]);
     }
     return o.json == NULL || write_json(o.json, outcomes, count, &o) ? 0 : 1;
 }

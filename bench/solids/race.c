@@ -1,29 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Runs the two programs and reads what they say about the time they took to trace: POV-Ray the seconds in
 // brackets of its line "Trace Time", Sagitta "trace_seconds" of --stats.
+#include "../program.h"
 #include "solids.h"
 #include <cjson/cJSON.h>
-#include <fcntl.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
-
-// Runs a program found along PATH, its output and errors written to a file. True: it ended with 0.
-static bool run_program(char *const arguments[], const char *log) {
-    posix_spawn_file_actions_t actions;
-    if (posix_spawn_file_actions_init(&actions) != 0) return false;
-    pid_t child = 0;
-    int status = 0;
-    bool good = posix_spawn_file_actions_addopen(&actions, 1, log, O_WRONLY | O_CREAT | O_TRUNC, 0644) == 0 &&
-                posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 &&
-                posix_spawnp(&child, arguments[0], &actions, NULL, arguments, environ) == 0;
-    posix_spawn_file_actions_destroy(&actions);
-    return good && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
 
 // The end of the file's text, to be freed; NULL: it cannot be read.
 static char *read_text(const char *path) {
@@ -41,7 +24,7 @@ bool povray_found(char version[64]) {
     const int file = mkstemp(log);
     if (file < 0) return false;
     close(file);
-    const bool found = run_program((char *[]){program, ask, NULL}, log);
+    const bool found = program_run((char *[]){program, ask, NULL}, log, NULL);
     char *text = read_text(log);
     const char *at = text != NULL ? strstr(text, "POV-Ray") : NULL;
     snprintf(version, 64, "%.*s", at != NULL ? (int)strcspn(at, "\n") : 7, at != NULL ? at : "POV-Ray");
@@ -69,7 +52,7 @@ double run_povray(const char *folder, const scene_kind *kind, size film, int qua
                          threads, still, short_log, gamma, bits,  picture != NULL ? form : output,
                          output,  NULL};
     double result = 0;
-    if (run_program(arguments, log)) {
+    if (program_run(arguments, log, NULL)) {
         char *text = read_text(log);
         if (text != NULL) result = povray_seconds(text);
         free(text);
@@ -90,7 +73,7 @@ double run_sagitta(const char *folder, const scene_kind *kind, const char *pictu
     char *arguments[] = {program, verb, input,   integrator, depth, spp,   one, threads,
                          one,     to,   nowhere, with,       stats, quiet, NULL};
     double result = 0;
-    if (run_program(arguments, log)) {
+    if (program_run(arguments, log, NULL)) {
         char *text = read_text(stats);
         cJSON *json = text != NULL ? cJSON_Parse(text) : NULL;
         const cJSON *seconds = cJSON_GetObjectItem(json, "trace_seconds");
