@@ -32,6 +32,8 @@ typedef struct sagi_kernel {
     // and geometry = SAG_INVALID_ID.
     void (*intersect_batch)(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count);
     void (*occluded_batch)(const sagi_world *world, const sag_ray *rays, bool *occluded, size_t count);
+    // As sag_mesh_surface, of a mesh that is valid and a primitive that it has.
+    void (*mesh_surface)(const sag_mesh *mesh, const sag_ray *ray, const sag_hit *hit, sag_surface *surface);
 } sagi_kernel;
 
 extern const sagi_kernel sagi_kernel_portable, sagi_kernel_sse42, sagi_kernel_avx2, sagi_kernel_avx512,

@@ -51,18 +51,25 @@ void sagi_surface_turn(sag_surface *s) {
     s->shading_normal = sag_neg(s->shading_normal);
 }
 
+static void turn_over(sag_surface *s) {
+    sagi_surface_turn(s);
+    s->side = s->side == SAG_SIDE_FRONT ? SAG_SIDE_BACK : SAG_SIDE_FRONT;
+}
+
 // The surface in the space of one snapshot. A mirrored mesh's vertices stand where they stand, so its
 // triangles' own normals point the other way round: both normals and the side are turned.
-static void surface_here(const sagi_snapshot *s, const sag_ray *ray, const sag_hit *hit,
-                         sag_surface *surface) {
+static void surface_here(const sagi_kernel *kernel, const sagi_snapshot *s, const sag_ray *ray,
+                         const sag_hit *hit, sag_surface *surface) {
     const sagi_item *item = &s->items[hit->geometry];
+    if (item->kind == SAG_SHAPE_MESH) {
+        kernel->mesh_surface(item->shape, ray, hit, surface);
+        if (item->mirrored) turn_over(surface);
+        return;
+    }
+    *surface = (sag_surface){.geometry = SAG_INVALID_ID}; // whatever a user's shape leaves out
     sag_ray local = item->place != NULL ? sag_ray_transform(&item->place->to_object, ray) : *ray;
     sagi_shape_classes[item->kind].surface(item->shape, &local, hit, surface);
     if (item->place != NULL) sagi_surface_map(item->place, surface);
-    if (item->mirrored) {
-        sagi_surface_turn(surface);
-        surface->side = surface->side == SAG_SIDE_FRONT ? SAG_SIDE_BACK : SAG_SIDE_FRONT;
-    }
 }
 
 void sag_instance_map_surface(const sag_scene *scene, uint32_t instance, sag_surface *surface) {
@@ -84,41 +91,60 @@ static void clear_group(const sag_ray *ray, double t, sag_surface *surface) {
 // Whether the hit names something that is there: it may be from before a commit.
 static bool has(const sagi_snapshot *s, const sag_hit *hit) {
     if (hit->geometry >= s->count || s->items[hit->geometry].shape == NULL) return false;
-    uint8_t kind = s->items[hit->geometry].kind;
-    bool many = kind == SAG_SHAPE_MESH || kind == SAG_SHAPE_SPHERES || kind == SAG_SHAPE_USER;
-    return !many ||
-           hit->primitive < sagi_shape_primitive_count((sag_shape_kind)kind, s->items[hit->geometry].shape);
+    const sagi_item *item = &s->items[hit->geometry];
+    if (item->kind == SAG_SHAPE_MESH) return hit->primitive < ((const sag_mesh *)item->shape)->triangle_count;
+    bool many = item->kind == SAG_SHAPE_SPHERES || item->kind == SAG_SHAPE_USER;
+    return !many || hit->primitive < sagi_shape_primitive_count((sag_shape_kind)item->kind, item->shape);
 }
 
-void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
-    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+// The surface in the scene's space of a hit in an instance. False: it is not there. *found: in this snapshot.
+static bool surface_within(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit,
+                           sag_surface *surface, const sagi_snapshot **found) {
+    const sagi_snapshot *s = *found;
     const sagi_place *places[SAG_MAX_INSTANCE_DEPTH];
     const sagi_snapshot *levels[SAG_MAX_INSTANCE_DEPTH];
     sag_ray rays[SAG_MAX_INSTANCE_DEPTH];
-    uint32_t depth = hit->instance_depth;
+    const uint32_t depth = hit->instance_depth;
+    if (depth > SAG_MAX_INSTANCE_DEPTH) return false;
     sag_ray here = *ray;
-    *surface = (sag_surface){.geometry = SAG_INVALID_ID};
-    if (s == NULL || depth > SAG_MAX_INSTANCE_DEPTH) return;
     for (uint32_t i = 0; i < depth; i++) {
         uint32_t id = hit->instance_path[i];
-        if (id >= s->count || s->entries[id].child == NULL) return;
+        if (id >= s->count || s->entries[id].child == NULL) return false;
         levels[i] = s, rays[i] = here;
         places[i] = s->items[id].place;
         if (places[i] != NULL) here = sag_ray_transform(&places[i]->to_object, &here);
         s = s->entries[id].child;
     }
-    if (!has(s, hit)) return;
-    surface_here(s, &here, hit, surface);
+    if (!has(s, hit)) return false;
+    surface_here(scene->kernel, s, &here, hit, surface);
     if (s->solid != NULL) clear_group(&here, hit->t, surface);
     for (uint32_t i = depth; i-- > 0;) {
         if (places[i] != NULL) sagi_surface_map(places[i], surface);
         if (levels[i]->solid != NULL) clear_group(&rays[i], hit->t, surface);
     }
-    if (hit->flipped) {
-        sagi_surface_turn(surface);
-        surface->side = surface->side == SAG_SIDE_FRONT ? SAG_SIDE_BACK : SAG_SIDE_FRONT;
+    *found = s;
+    return true;
+}
+
+static bool surface_without(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit,
+                            sag_surface *surface, const sagi_snapshot *s) {
+    if (!has(s, hit)) return false;
+    surface_here(scene->kernel, s, ray, hit, surface);
+    if (s->solid != NULL) clear_group(ray, hit->t, surface);
+    return true;
+}
+
+void sag_surface_at(const sag_scene *scene, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
+    const sagi_snapshot *s = sagi_scene_snapshot(scene);
+    const bool there = s != NULL && (hit->instance_depth == 0 ? surface_without(scene, ray, hit, surface, s)
+                                                              : surface_within(scene, ray, hit, surface, &s));
+    if (!there) {
+        *surface = (sag_surface){.geometry = SAG_INVALID_ID};
+        return;
     }
+    if (hit->flipped) turn_over(surface);
+    const sagi_entry *entry = &s->entries[hit->geometry];
     surface->geometry = hit->geometry;
-    surface->user_data = s->entries[hit->geometry].user_data;
-    if (s->entries[hit->geometry].face_forward && surface->side == SAG_SIDE_BACK) sagi_surface_turn(surface);
+    surface->user_data = entry->user_data;
+    if (entry->face_forward && surface->side == SAG_SIDE_BACK) sagi_surface_turn(surface);
 }

@@ -31,14 +31,18 @@ size_t sagi_crossings_write(const sagi_crossings *list, sag_hit *hits, size_t ca
     return (size_t)list->count;
 }
 
+void sagi_surface_finish_derivatives(sag_surface *surface) {
+    sag_vec3 across = sag_cross(surface->dpdu, surface->dpdv);
+    if (!(sag_dot(across, across) > 0) || !sag_is_finite(across))
+        sag_frame(surface->geometric_normal, &surface->dpdu, &surface->dpdv);
+}
+
 static void finish(sag_surface *surface, uint32_t primitive) {
     surface->shading_normal = surface->geometric_normal;
     surface->primitive = primitive;
     surface->geometry = SAG_INVALID_ID;
     surface->user_data = 0;
-    sag_vec3 across = sag_cross(surface->dpdu, surface->dpdv);
-    if (!(sag_dot(across, across) > 0) || !sag_is_finite(across))
-        sag_frame(surface->geometric_normal, &surface->dpdu, &surface->dpdv);
+    sagi_surface_finish_derivatives(surface);
 }
 
 void sagi_surface_finish(sag_surface *surface, const sag_ray *ray, const sag_hit *hit) {

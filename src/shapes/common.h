@@ -45,6 +45,9 @@ void sagi_surface_finish(sag_surface *surface, const sag_ray *ray, const sag_hit
 // The same for a sampled point, seen from its front.
 void sagi_surface_finish_sample(sag_surface *surface, uint32_t primitive);
 
+// Of these the last: a frame of the normal for such derivatives.
+void sagi_surface_finish_derivatives(sag_surface *surface);
+
 // The next double towards +∞ as nextafter gives it, in a few instructions: the bits of positive doubles count
 // upward, those of negative ones downward. ∞ stays, and so does NaN.
 static inline double sagi_next_up(double x) {

@@ -1,18 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A mesh of triangles, by going through them all: the plain meaning of what a scene answers with a tree. The
-// test of one triangle is in triangle_test.c and triangle_solve.h.
-//
-// Texture coordinates and derivatives. With the texture coordinates of the three vertices interpolated, p is
-// an affine function of (u, v); from the two edges to c,
-//
-//     a − c = (u_a − u_c) dp/du + (v_a − v_c) dp/dv,    b − c = (u_b − u_c) dp/du + (v_b − v_c) dp/dv,
-//
-// two equations for dp/du and dp/dv (PBR 4th ed. §6.5.1). Where they have no solution any frame of the normal
-// serves.
-#include "shapes/mesh.h"
+// test of one triangle is in triangle_test.c and triangle_solve.h, its surface in mesh_surface.h.
 #include "math/dd.h"
-#include "math/map.h"
-#include "shapes/common.h"
+#include "shapes/mesh_surface.h"
 
 static bool is_readable(const sag_mesh *s) {
     return s->triangles && (s->positions_f32 != NULL) != (s->positions_f64 != NULL);
@@ -120,45 +110,12 @@ size_t sag_mesh_crossings(const sag_mesh *s, const sag_ray *ray, sag_hit *hits, 
 
 void sagi_mesh_shading_normal(const sag_mesh *s, uint32_t i, double u, double v, sag_vec3 *normal) {
     if (!s->normals_f32) return;
-    sag_vec3 sum = {0, 0, 0};
-    const double weight[3] = {1 - u - v, u, v};
-    for (int k = 0; k < 3; k++) {
-        const float *n = &s->normals_f32[3 * (size_t)s->triangles[3 * (size_t)i + (size_t)k]];
-        sag_vec3 unit = sag_vec3_make(n[0], n[1], n[2]);
-        // Most are unit already as far as floats can be.
-        if (!(fabs(sag_dot(unit, unit) - 1) <= 0x1p-20)) unit = sag_normalize(unit);
-        sum = sag_madd(sum, weight[k], unit);
-    }
-    if (sag_is_finite(sum) && sag_dot(sum, sum) > 0) *normal = sagi_normalize(sum);
-}
-
-// Texture coordinates at the weights u, v that the surface carries, and the derivatives by them.
-static void apply_texcoords(const sag_mesh *s, uint32_t i, const sag_vec3 p[3], sag_surface *surface) {
-    if (!s->texcoords_f32) return;
-    const uint32_t *corner = &s->triangles[3 * (size_t)i];
-    sag_vec2 uv[3];
-    for (int k = 0; k < 3; k++) {
-        const float *at = &s->texcoords_f32[2 * (size_t)corner[k]];
-        uv[k] = (sag_vec2){at[0], at[1]};
-    }
-    double beta = surface->u, gamma = surface->v, alpha = 1 - beta - gamma;
-    surface->u = alpha * uv[0].x + beta * uv[1].x + gamma * uv[2].x;
-    surface->v = alpha * uv[0].y + beta * uv[1].y + gamma * uv[2].y;
-    double ua = uv[0].x - uv[2].x, va = uv[0].y - uv[2].y, ub = uv[1].x - uv[2].x, vb = uv[1].y - uv[2].y;
-    double determinant = ua * vb - va * ub; // 0 makes them infinite or NaN: sagi_surface_finish sees to that
-    sag_vec3 ac = sag_sub(p[0], p[2]), bc = sag_sub(p[1], p[2]);
-    surface->dpdu = sag_scale(sag_madd(sag_scale(ac, vb), -va, bc), 1 / determinant);
-    surface->dpdv = sag_scale(sag_madd(sag_scale(bc, ua), -ub, ac), 1 / determinant);
+    const sagi_d4 before = {normal->x, normal->y, normal->z, 0};
+    *normal = sagi_d4_vec3(sagi_mesh_normal(s, &s->triangles[3 * (size_t)i], u, v, before));
 }
 
 void sag_mesh_surface(const sag_mesh *s, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
-    if (!in_range(s, hit->primitive)) return;
-    sag_vec3 p[3];
-    sagi_mesh_triangle(s, hit->primitive, p);
-    sagi_triangle_point(&p[0], &p[1], &p[2], hit->u, hit->v, surface);
-    apply_texcoords(s, hit->primitive, p, surface);
-    sagi_surface_finish(surface, ray, hit);
-    sagi_mesh_shading_normal(s, hit->primitive, hit->u, hit->v, &surface->shading_normal);
+    if (in_range(s, hit->primitive)) sagi_mesh_surface(s, ray, hit, surface);
 }
 
 double sagi_mesh_triangle_area(const sag_mesh *s, uint32_t i) {
@@ -179,10 +136,8 @@ bool sagi_mesh_triangle_sample(const sag_mesh *s, uint32_t i, sag_vec2 random, s
     if (sagi_mesh_triangle_state(s, i, p) != SAGI_TRIANGLE_GOOD) return false;
     double u, v;
     sagi_triangle_sample_weights(random, &u, &v);
-    sagi_triangle_point(&p[0], &p[1], &p[2], u, v, surface);
-    apply_texcoords(s, i, p, surface);
-    sagi_surface_finish_sample(surface, i);
-    sagi_mesh_shading_normal(s, i, u, v, &surface->shading_normal);
+    sagi_mesh_point(s, i, u, v, surface);
+    surface->side = SAG_SIDE_FRONT;
     return true;
 }
 

@@ -21,17 +21,9 @@ static double length_scaled(sag_vec3 a) {
     return largest > 0 ? largest * sag_length(sag_scale(a, 1 / largest)) : 0;
 }
 
-// n = ab × ac in doubles has an error below 8ε E², E being the largest coordinate of an edge: good to 2⁻³⁰
-// and more when n is not much smaller than E². Needles and tiny triangles, whose products may underflow, are
-// done in expansions.
-static inline bool cross_is_good(sag_vec3 n, double edge) {
-    double largest = norm_max(n);
-    return largest > 0x1p-20 * edge * edge && largest > 0x1p-400;
-}
-
 double sagi_triangle_normal(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c, sag_vec3 *unit) {
     sag_vec3 ab = sag_sub(*b, *a), ac = sag_sub(*c, *a), n = sag_cross(ab, ac);
-    if (cross_is_good(n, larger(norm_max(ab), norm_max(ac)))) {
+    if (sagi_cross_is_good(norm_max(n), larger(norm_max(ab), norm_max(ac)))) {
         *unit = sagi_normalize(n);
         return length_scaled(n);
     }
@@ -62,7 +54,7 @@ void sagi_triangle_point(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c
     double edge = larger(norm_max(ab), norm_max(ac)), margin = 64 * SAGI_EPSILON * edge;
     surface->position_error = sag_add(error, sag_vec3_make(margin, margin, margin));
     sag_vec3 n = sag_cross(ab, ac);
-    if (cross_is_good(n, edge)) {
+    if (sagi_cross_is_good(norm_max(n), edge)) {
         surface->geometric_normal = sagi_normalize(n);
     } else {
         surface->geometric_normal = sag_vec3_make(0, 0, 1);

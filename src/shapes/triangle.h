@@ -12,7 +12,10 @@
 #ifndef SAGI_SHAPES_TRIANGLE_H
 #define SAGI_SHAPES_TRIANGLE_H
 
+#include "math/simd.h"
 #include <sagitta/shapes.h>
+
+SAGI_INLINE sag_vec3 sagi_d4_vec3(sagi_d4 a) { return sag_vec3_make(a[0], a[1], a[2]); }
 
 typedef struct sagi_triangle_ray {
     sag_vec3 o;
@@ -62,6 +65,12 @@ static inline bool sagi_triangle_hit(const sagi_triangle_ray *ray, const sag_vec
 bool sagi_triangle_is_finite(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c);
 bool sagi_triangle_has_area(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c);
 
+// n = ab × ac in doubles has an error below 8ε E², E being the largest coordinate of an edge: good to 2⁻³⁰
+// and more when n, whose largest coordinate is asked for, is not much smaller than E². Needles and tiny
+// triangles, whose products may underflow, are done in expansions.
+static inline bool sagi_cross_is_good(double largest, double edge) {
+    return largest > 0x1p-20 * edge * edge && largest > 0x1p-400;
+}
 // Twice the area, and the unit normal when it is above 0; accurate for needles too.
 double sagi_triangle_normal(const sag_vec3 *a, const sag_vec3 *b, const sag_vec3 *c, sag_vec3 *unit);
 // Fills position, position_error, geometric_normal, dpdu, dpdv, u and v for the weights u, v: what mesh and

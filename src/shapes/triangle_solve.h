@@ -129,7 +129,6 @@ static inline void sagi_triangle_confine(double beta, double gamma, double *u, d
     *v = gamma > 0 ? (gamma < room ? gamma : room) : 0;
 }
 
-static inline sag_vec3 sagi_d4_vec3(sagi_d4 a) { return sag_vec3_make(a[0], a[1], a[2]); }
 typedef struct sagi_dd3 {
     sagi_dd x, y, z;
 } sagi_dd3;
