@@ -69,8 +69,8 @@ static void prepare_sums(sagi_sampler_plan *plan) {
     for (uint32_t d = 0; d < SAGI_SOBOL_DIMENSIONS; d++)
         for (uint32_t byte = 0; byte < SAGI_SOBOL_COLUMNS / 8; byte++)
             for (uint32_t i = 1; i < 256; i++) // the lowest one, and the rest
-                plan->sums[d][byte][i] =
-                    plan->sums[d][byte][i & (i - 1)] ^ columns[d][8 * byte + (uint32_t)__builtin_ctz(i)];
+                plan->sums[d / 4][byte][i][d % 4] = plan->sums[d / 4][byte][i & (i - 1)][d % 4] ^
+                                                    columns[d][8 * byte + (uint32_t)__builtin_ctz(i)];
 }
 
 sag_status sagi_sampler_plan_init(sagi_sampler_plan *plan, const sag_settings *settings, sag_error *error) {
@@ -102,7 +102,10 @@ sag_status sagi_sampler_plan_init(sagi_sampler_plan *plan, const sag_settings *s
     plan->digit_mask = UINT64_C(0x5555555555555555) & ((UINT64_C(1) << (32 + (plan->sample_bits & 30u))) - 1);
     for (uint32_t i = 0; i < SAGI_SEEDED_DIMENSIONS; i++)
         plan->seeds[i] = sagi_mix(plan->seed ^ (i + UINT64_C(1)) * STEP);
-    if (plan->kind == SAG_SAMPLER_SOBOL) prepare_sums(plan);
+    if (plan->kind != SAG_SAMPLER_SOBOL) return SAG_OK;
+    prepare_sums(plan);
+    for (uint32_t d = 0; d < SAGI_SOBOL_DIMENSIONS; d++)
+        plan->scrambles[d / 4][d % 4] = (uint32_t)(plan->seeds[d] >> 32);
     return SAG_OK;
 }
 
@@ -145,6 +148,7 @@ void sagi_sampler_start_sample(sagi_sampler *sampler, uint32_t sample) {
     const sagi_sampler_plan *plan = sampler->plan;
     sampler->sample = sample;
     sampler->dimension = 0;
+    sampler->ready_block = UINT32_MAX;
     switch (plan->kind) {
     case SAG_SAMPLER_INDEPENDENT:
     case SAG_SAMPLER_STRATIFIED: break;
@@ -205,20 +209,54 @@ static inline uint64_t sobol_index(const sagi_sampler *sampler, uint64_t *seeds)
     return shuffled_code(plan, sampler->index, seed);
 }
 
-static inline double unit_of(uint64_t bits) { return (double)(int64_t)bits * 0x1p-32; }
-
-// The number of Sobol's point in a dimension of its own: the sum of the columns of the index's ones, eight
-// columns at a time.
-static double true_number(const sagi_sampler *sampler, uint32_t dimension) {
-    const uint32_t(*sums)[256] = sampler->plan->sums[dimension];
-    uint32_t reversed = 0;
-    for (uint64_t index = sampler->true_index; index != 0; index >>= 8) reversed ^= (*sums++)[index & 255];
-    const uint32_t seed = (uint32_t)(seed_of(sampler->plan, dimension) >> 32);
-    return unit_of(sagi_reverse_bits(scramble(sampler->plan->randomization, reversed, seed)));
+static inline sagi_u4 reverse4(sagi_u4 x) {
+    x = x << 16 | x >> 16;
+    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
+    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
+    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
 }
 
-double sagi_sampler_1d(sagi_sampler *sampler) {
+// sagi_scramble_reversed of four numbers.
+static inline sagi_u4 scramble4(sagi_u4 x, sagi_u4 seed) {
+    x ^= x * 0x3D20ADEAu;
+    x += seed;
+    x *= seed >> 16 | 1;
+    x ^= x * 0x05526C56u;
+    x ^= x * 0x53A22864u;
+    return x;
+}
+
+// The numbers of Sobol's point in four dimensions of its own: the sums of the columns of the index's ones,
+// eight columns at a time. Four bytes at least are the pixel's.
+static void make_ready(sagi_sampler *sampler, uint32_t block) {
     const sagi_sampler_plan *plan = sampler->plan;
+    const sagi_u4(*sums)[256] = plan->sums[block];
+    uint64_t index = sampler->true_index;
+    sagi_u4 x = sums[0][index & 255] ^ sums[1][index >> 8 & 255] ^ sums[2][index >> 16 & 255] ^
+                sums[3][index >> 24 & 255];
+    for (index >>= 32, sums += 4; index != 0; index >>= 8) x ^= (*sums++)[index & 255];
+    const sagi_u4 seed = plan->scrambles[block];
+    if (plan->randomization == SAG_RANDOMIZATION_FAST_OWEN)
+        x = scramble4(x, seed);
+    else
+        for (int i = 0; i < 4; i++) x[i] = scramble(plan->randomization, x[i], seed[i]);
+    sampler->ready = reverse4(x);
+    sampler->ready_block = block;
+}
+
+// Whether the next number is of a dimension of its own; then it is made ready.
+static bool is_ready(sagi_sampler *sampler) {
+    if (sampler->plan->kind != SAG_SAMPLER_SOBOL || sampler->dimension >= SAGI_SOBOL_DIMENSIONS) return false;
+    if (sampler->ready_block != sampler->dimension / 4) make_ready(sampler, sampler->dimension / 4);
+    return true;
+}
+_Static_assert(SAGI_SOBOL_DIMENSIONS % 4 == 0 && SAGI_SOBOL_DIMENSIONS <= SAGI_SEEDED_DIMENSIONS,
+               "whole blocks, with seeds");
+
+double sagi_sampler_draw_1d(sagi_sampler *sampler) {
+    const sagi_sampler_plan *plan = sampler->plan;
+    if (is_ready(sampler)) return sagi_sampler_1d(sampler);
     double result = 0;
     switch (plan->kind) {
     case SAG_SAMPLER_INDEPENDENT:
@@ -227,21 +265,17 @@ double sagi_sampler_1d(sagi_sampler *sampler) {
     case SAG_SAMPLER_STRATIFIED: {
         const uint64_t order = sagi_mix(sampler->key ^ seed_of(plan, sampler->dimension));
         const uint32_t stratum = sagi_permute(sampler->sample, plan->count, (uint32_t)order);
-        const double within = plan->jitter ? unit_of(sagi_sampler_bits(sampler) >> 32) : 0.5;
+        const double within = plan->jitter ? sagi_unit_of(sagi_sampler_bits(sampler) >> 32) : 0.5;
         result = (stratum + within) / plan->count;
         break;
     }
     case SAG_SAMPLER_SOBOL:
-        if (sampler->dimension < SAGI_SOBOL_DIMENSIONS) {
-            result = true_number(sampler, sampler->dimension);
-            break;
-        }
-        __attribute__((fallthrough));
     case SAG_SAMPLER_PADDED_SOBOL:
     case SAG_SAMPLER_ZSOBOL: {
         uint64_t seeds;
         const uint32_t index = (uint32_t)sobol_index(sampler, &seeds);
-        result = unit_of(sagi_reverse_bits(scramble(plan->randomization, index, (uint32_t)(seeds >> 32))));
+        result =
+            sagi_unit_of(sagi_reverse_bits(scramble(plan->randomization, index, (uint32_t)(seeds >> 32))));
         break;
     }
     case SAG_SAMPLER_HALTON: result = sagi_halton_number(sampler, sampler->dimension); break;
@@ -250,13 +284,17 @@ double sagi_sampler_1d(sagi_sampler *sampler) {
     return result;
 }
 
-sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
+sag_vec2 sagi_sampler_draw_2d(sagi_sampler *sampler) {
     const sagi_sampler_plan *plan = sampler->plan;
+    if (sampler->dimension + 1 < SAGI_SOBOL_DIMENSIONS && is_ready(sampler)) {
+        const double x = sagi_sampler_1d(sampler);
+        return (sag_vec2){x, sagi_sampler_1d(sampler)};
+    }
     sag_vec2 result = {0, 0};
     switch (plan->kind) {
     case SAG_SAMPLER_INDEPENDENT: {
         const uint64_t random = sagi_sampler_bits(sampler);
-        result = (sag_vec2){unit_of(random >> 32), unit_of(random & 0xFFFFFFFFu)};
+        result = (sag_vec2){sagi_unit_of(random >> 32), sagi_unit_of(random & 0xFFFFFFFFu)};
         break;
     }
     case SAG_SAMPLER_STRATIFIED: {
@@ -264,17 +302,11 @@ sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
         const uint64_t order = sagi_mix(sampler->key ^ seed_of(plan, sampler->dimension));
         const uint32_t stratum = sagi_permute(sampler->sample, plan->count, (uint32_t)order);
         const uint32_t y = stratum / plan->x_count, x = stratum - y * plan->x_count;
-        result.x = (x + (plan->jitter ? unit_of(random >> 32) : 0.5)) / plan->x_count;
-        result.y = (y + (plan->jitter ? unit_of(random & 0xFFFFFFFFu) : 0.5)) / plan->y_count;
+        result.x = (x + (plan->jitter ? sagi_unit_of(random >> 32) : 0.5)) / plan->x_count;
+        result.y = (y + (plan->jitter ? sagi_unit_of(random & 0xFFFFFFFFu) : 0.5)) / plan->y_count;
         break;
     }
     case SAG_SAMPLER_SOBOL:
-        if (sampler->dimension + 1 < SAGI_SOBOL_DIMENSIONS) {
-            result.x = true_number(sampler, sampler->dimension++);
-            result.y = true_number(sampler, sampler->dimension);
-            break;
-        }
-        __attribute__((fallthrough));
     case SAG_SAMPLER_PADDED_SOBOL:
     case SAG_SAMPLER_ZSOBOL: {
         uint64_t seeds;
@@ -283,7 +315,7 @@ sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
         const uint32_t x = scramble(plan->randomization, (uint32_t)index, (uint32_t)(seeds >> 32));
         const uint32_t y = scramble(plan->randomization, second, (uint32_t)seeds);
         const uint64_t both = sagi_reverse_bits64((uint64_t)y << 32 | x);
-        result = (sag_vec2){unit_of(both >> 32), unit_of(both & 0xFFFFFFFFu)};
+        result = (sag_vec2){sagi_unit_of(both >> 32), sagi_unit_of(both & 0xFFFFFFFFu)};
         break;
     }
     case SAG_SAMPLER_HALTON:

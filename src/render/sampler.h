@@ -15,6 +15,9 @@
 #define SAGI_SOBOL_DIMENSIONS 32u
 #define SAGI_SOBOL_COLUMNS    64u
 
+// Four numbers of 32 bits.
+typedef uint32_t sagi_u4 __attribute__((vector_size(16)));
+
 // What is the same for all pixels.
 typedef struct sagi_sampler_plan {
     sag_sampler_kind kind;
@@ -27,17 +30,20 @@ typedef struct sagi_sampler_plan {
     uint64_t digit_mask;       // Z-order: the upper bit of each whole digit of the reversed code
     uint64_t seed;
     uint64_t seeds[SAGI_SEEDED_DIMENSIONS];
-    // Sobol': what each byte of an index adds to the point, bit i being digit i.
-    uint32_t sums[SAGI_SOBOL_DIMENSIONS][SAGI_SOBOL_COLUMNS / 8][256];
+    // Sobol': what each byte of an index adds to the point, bit i being digit i; four dimensions in a row.
+    sagi_u4 sums[SAGI_SOBOL_DIMENSIONS / 4][SAGI_SOBOL_COLUMNS / 8][256];
+    sagi_u4 scrambles[SAGI_SOBOL_DIMENSIONS / 4]; // and their seeds
 } sagi_sampler_plan;
 
 typedef struct sagi_sampler {
+    sagi_u4 ready; // Sobol': this sample's numbers 4 ready_block … + 3, in 2⁻³²
     const sagi_sampler_plan *plan;
     uint64_t key;        // of the pixel: a hash; Z-order: where it stands; Halton: its first sample's index
     uint64_t index;      // of the sample among the sequence's points (reversed, but for Halton)
     uint64_t true_index; // Sobol': the index shuffled, for dimensions of their own
     uint32_t sample;     // of this pixel
     uint32_t dimension;  // of this sample: counts the calls (Halton, Sobol': the numbers)
+    uint32_t ready_block;
 } sagi_sampler;
 
 // The part that is the same for all pixels. SAG_ERROR_ARGUMENT for no samples at all, more than 2³¹, or a
@@ -57,8 +63,26 @@ static inline uint64_t sagi_sampler_bits(const sagi_sampler *sampler) {
 }
 
 // One number, and a pair, in [0, 1).
-double sagi_sampler_1d(sagi_sampler *sampler);
-sag_vec2 sagi_sampler_2d(sagi_sampler *sampler);
+double sagi_sampler_draw_1d(sagi_sampler *sampler);
+sag_vec2 sagi_sampler_draw_2d(sagi_sampler *sampler);
+// The same, quick where the numbers are ready.
+static inline double sagi_unit_of(uint64_t bits) { return (double)(int64_t)bits * 0x1p-32; }
+static inline double sagi_sampler_1d(sagi_sampler *sampler) {
+    const uint32_t d = sampler->dimension;
+    if (d >> 2 != sampler->ready_block) return sagi_sampler_draw_1d(sampler);
+    sampler->dimension = d + 1;
+    uint32_t ready[4];
+    memcpy(ready, &sampler->ready, sizeof ready);
+    return sagi_unit_of(ready[d & 3]);
+}
+static inline sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
+    const uint32_t d = sampler->dimension;
+    if (d >> 2 != sampler->ready_block || (d & 3) == 3) return sagi_sampler_draw_2d(sampler);
+    sampler->dimension = d + 2;
+    uint32_t ready[4];
+    memcpy(ready, &sampler->ready, sizeof ready);
+    return (sag_vec2){sagi_unit_of(ready[d & 3]), sagi_unit_of(ready[(d & 3) + 1])};
+}
 // The pair that chooses the point of the pixel: once in a sample.
 sag_vec2 sagi_sampler_pixel(sagi_sampler *sampler);
 // Where `index` goes in the pseudo-random permutation of [0, count) that `seed` names.

@@ -27,6 +27,7 @@ static inline double sagi_camera_sample(const sag_render *render, sagi_sampler *
     if (sampler->plan->kind == SAG_SAMPLER_INDEPENDENT) {
         sampler->sample = sample;
         sampler->dimension = 0;
+        sampler->ready_block = UINT32_MAX;
         u = sagi_independent_2d(sampler);
     } else {
         sagi_sampler_start_sample(sampler, sample);
