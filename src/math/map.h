@@ -40,6 +40,14 @@ static inline bool sagi_ray_is_valid(const sag_ray *ray) {
 // that is flushed is below 2⁻¹⁰²² and the sum is at least 2⁻⁹⁰⁰, so it is smaller than a rounding.
 static inline bool sagi_square_is_safe(double squared) { return squared > 0x1p-900 && squared < 0x1p1000; }
 
+static inline void sagi_frame(sag_vec3 n, sag_vec3 *s, sag_vec3 *t) {
+    const double sign = copysign(1, n.z);
+    const double a = -1 / (sign + n.z);
+    const double b = n.x * n.y * a;
+    *s = sag_vec3_make(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    *t = sag_vec3_make(b, sign + n.y * n.y * a, -n.y);
+}
+
 static inline sag_vec3 sagi_normalize(sag_vec3 a) {
     const double squared = sag_dot(a, a), length = sqrt(squared);
     if (!sagi_square_is_safe(squared)) return sag_normalize(a);

@@ -17,10 +17,4 @@ sag_vec3 sag_normalize(sag_vec3 a) {
     return sag_vec3_make(a.x / length, a.y / length, a.z / length);
 }
 
-void sag_frame(sag_vec3 n, sag_vec3 *s, sag_vec3 *t) {
-    double sign = copysign(1, n.z);
-    double a = -1 / (sign + n.z);
-    double b = n.x * n.y * a;
-    *s = sag_vec3_make(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
-    *t = sag_vec3_make(b, sign + n.y * n.y * a, -n.y);
-}
+void sag_frame(sag_vec3 n, sag_vec3 *s, sag_vec3 *t) { sagi_frame(n, s, t); }

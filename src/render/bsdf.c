@@ -10,28 +10,6 @@
 
 #include "warp.h"
 
-void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, sag_vec3 tangent,
-                         sag_vec3 wo) {
-    double side = sag_dot(wo, geometric);
-    if (!(sag_dot(wo, shading) * side > 0)) shading = geometric;
-    bsdf->geometric = geometric;
-    bsdf->n = shading;
-    bsdf->wo_side = side < 0 ? -1 : 1;
-    if (bsdf->facets.ax != bsdf->facets.ay) {
-        sag_vec3 s = sag_madd(tangent, -sag_dot(tangent, shading), shading);
-        double length = sag_length(s);
-        if (length > 0 && isfinite(length)) {
-            bsdf->s = sag_scale(s, 1 / length);
-            bsdf->t = sag_cross(shading, bsdf->s);
-        } else {
-            sag_frame(shading, &bsdf->s, &bsdf->t);
-        }
-    } else {
-        sag_frame(shading, &bsdf->s, &bsdf->t);
-    }
-    bsdf->wo = sag_vec3_make(sag_dot(wo, bsdf->s), sag_dot(wo, bsdf->t), sag_dot(wo, bsdf->n));
-}
-
 static sag_vec3 to_local(const sagi_bsdf *bsdf, sag_vec3 w) {
     return sag_vec3_make(sag_dot(w, bsdf->s), sag_dot(w, bsdf->t), sag_dot(w, bsdf->n));
 }

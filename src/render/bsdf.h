@@ -5,9 +5,11 @@
 #ifndef SAGI_RENDER_BSDF_H
 #define SAGI_RENDER_BSDF_H
 
+#include "math/map.h"
 #include "microfacet.h"
 #include "spectrum.h"
 
+// What belongs to some kinds only is not set for others.
 typedef struct sagi_bsdf {
     sagi_spectrum color;  // reflectance
     sagi_spectrum eta, k; // of a metal
@@ -45,8 +47,26 @@ typedef struct sagi_bsdf_sample {
 } sagi_bsdf_sample;
 
 // Sets the frame and what belongs to it. `tangent` gives the direction of the frame's s where that matters.
-void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading, sag_vec3 tangent,
-                         sag_vec3 wo);
+static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading,
+                                       sag_vec3 tangent, sag_vec3 wo) {
+    const double side = sag_dot(wo, geometric);
+    if (!(sag_dot(wo, shading) * side > 0)) shading = geometric;
+    bsdf->geometric = geometric;
+    bsdf->n = shading;
+    bsdf->wo_side = side < 0 ? -1 : 1;
+    sag_vec3 s, t;
+    sagi_frame(shading, &s, &t);
+    if (bsdf->facets.ax != bsdf->facets.ay) {
+        const sag_vec3 along = sag_madd(tangent, -sag_dot(tangent, shading), shading);
+        const double length = sag_length(along);
+        if (length > 0 && isfinite(length)) {
+            s = sag_scale(along, 1 / length);
+            t = sag_cross(shading, s);
+        }
+    }
+    bsdf->s = s, bsdf->t = t;
+    bsdf->wo = sag_vec3_make(sag_dot(wo, s), sag_dot(wo, t), sag_dot(wo, shading));
+}
 // f(wo, wi) |cos θi| and the density with which sample would find wi; black and 0 for specular ones.
 sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 // Draws wi. False when the light ends here.

@@ -90,8 +90,10 @@ sagi_spot_2d sagi_mapping_2d(const sagi_mapping *mapping, const sagi_spot *at) {
 }
 
 void sagi_spot_at(sagi_spot *spot, const sag_surface *surface) {
-    *spot = (sagi_spot){
-        .position = surface->position, .normal = surface->geometric_normal, .u = surface->u, .v = surface->v};
+    spot->position = surface->position, spot->normal = surface->geometric_normal;
+    spot->u = surface->u, spot->v = surface->v;
+    spot->dpdx = spot->dpdy = sag_vec3_make(0, 0, 0);
+    spot->dudx = spot->dudy = spot->dvdx = spot->dvdy = 0;
 }
 
 // Changes beyond this bound, as pbrt-v4's, come from degenerate coordinates only.

@@ -12,6 +12,7 @@
 // A step is what happens at one surface; who traces the rays between, and when, is wave.c's matter.
 #include "job.h"
 #include "medium.h"
+#include "shapes/spawn.h"
 
 static void add(sagi_path *p, sagi_spectrum light) { p->radiance += p->weight * light; }
 
@@ -56,7 +57,7 @@ static bool scatter(const sag_render *render, sagi_path *p, const sagi_meeting *
     p->eta2 *= sample.eta * sample.eta;
     p->depth++;
     if (render->has_media) p->medium = sagi_medium_beyond(m->appearance, &m->surface, sample.wi, p->medium);
-    *ray = sag_spawn_ray(&m->surface, sample.wi);
+    sagi_spawn(&m->surface, sample.wi, ray);
     const bool diffuse = m->bsdf.kind == SAG_MATERIAL_DIFFUSE ||
                          (m->bsdf.kind == SAG_MATERIAL_DIFFUSE_TRANSMISSION && !sample.transmission);
     ray->mask = sample.transmission ? SAG_RAY_REFRACTION : diffuse ? SAG_RAY_DIFFUSE : SAG_RAY_REFLECTION;

@@ -9,6 +9,7 @@
 
 #include "color.h"
 #include "colorspace.h"
+#include "math/simd.h"
 
 // Values at a path's four wavelengths. + − · / go lane by lane, also with a float.
 typedef float sagi_spectrum __attribute__((vector_size(16)));
@@ -35,10 +36,7 @@ static inline sagi_spectrum sagi_spectrum_clamp(sagi_spectrum s) { // to [0, 1];
     s = sagi_spectrum_choose(s > zero, s, zero);
     return sagi_spectrum_choose(s < one, s, one);
 }
-static inline sagi_spectrum sagi_spectrum_sqrt(sagi_spectrum s) {
-    for (int i = 0; i < 4; i++) s[i] = sqrtf(s[i]);
-    return s;
-}
+static inline sagi_spectrum sagi_spectrum_sqrt(sagi_spectrum s) { return sagi_f4_sqrt(s); }
 static inline float sagi_spectrum_max(sagi_spectrum s) {
     const float a = s[0] > s[1] ? s[0] : s[1], b = s[2] > s[3] ? s[2] : s[3];
     return a > b ? a : b;

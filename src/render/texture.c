@@ -121,7 +121,7 @@ static double number(const sag_world *world, const sagi_texture *entry, const sa
     return sum;
 }
 
-double sagi_input_number(const sag_world *world, const sag_input *input, const sagi_spot *at) {
+double sagi_input_looked_up(const sag_world *world, const sag_input *input, const sagi_spot *at) {
     const sagi_texture *entry = texture_of(world, input);
     return entry ? number(world, entry, at) : sagi_input_plain(world, input).r;
 }
@@ -225,7 +225,7 @@ static sagi_spectrum spectrum(const sag_world *world, const sagi_texture *entry,
     return sum;
 }
 
-sagi_spectrum sagi_input_spectrum(const sag_world *world, const sag_input *input, const sagi_color *made,
+sagi_spectrum sagi_input_textured(const sag_world *world, const sag_input *input, const sagi_color *made,
                                   sagi_rgb_use use, const sagi_spot *at, sagi_spectrum lambda) {
     const sagi_texture *entry = texture_of(world, input);
     if (!entry) return sagi_color_at(made, lambda);

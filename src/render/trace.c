@@ -4,6 +4,7 @@
 // without them take the short way.
 #include "job.h"
 #include "medium.h"
+#include "shapes/spawn.h"
 
 // What a ray finds at a hit.
 typedef enum presence { NOTHING, INTERFACE, SURFACE } presence;
@@ -54,20 +55,18 @@ sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, 
     if (++path->passed == SAGI_MAX_PASSED) return SAGI_COURSE_AWAY;
     pass(render, found, meeting->appearance, surface, ray->direction, &path->medium);
     uint32_t mask = ray->mask;
-    *ray = sag_spawn_ray(surface, ray->direction);
+    sagi_spawn(surface, ray->direction, ray);
     ray->mask = mask;
     return SAGI_COURSE_ON;
 }
 
-sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample) {
-    sag_ray ray = {0};
+void sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample, sag_ray *ray) {
     switch (sample->target) {
-    case SAGI_TARGET_FAR: ray = sag_spawn_ray(from, sample->wi); break;
-    case SAGI_TARGET_POINT: ray = sag_spawn_ray_to_point(from, sample->point); break;
-    case SAGI_TARGET_SURFACE: ray = sag_spawn_ray_to_surface(from, &sample->surface); break;
+    case SAGI_TARGET_FAR: sagi_spawn(from, sample->wi, ray); break;
+    case SAGI_TARGET_POINT: sagi_spawn_to_point(from, sample->point, ray); break;
+    case SAGI_TARGET_SURFACE: sagi_spawn_to_surface(from, &sample->surface, ray); break;
     }
-    ray.mask = SAG_RAY_SHADOW;
-    return ray;
+    ray->mask = SAG_RAY_SHADOW;
 }
 
 sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
@@ -78,6 +77,6 @@ sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample 
     const presence found = presence_at(render->world, appearance, &surface, ray);
     if (found == SURFACE) return SAGI_COURSE_MEETING;
     pass(render, found, appearance, &surface, ray->direction, medium);
-    *ray = sagi_shadow_ray(&surface, sample);
+    sagi_shadow_ray(&surface, sample, ray);
     return SAGI_COURSE_ON;
 }

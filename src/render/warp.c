@@ -4,25 +4,38 @@
 #include "warp.h"
 #include "math/elementary.h"
 
+typedef double pair __attribute__((vector_size(16)));
+typedef int64_t pair_mask __attribute__((vector_size(16)));
+
+// { sine, cosine } of |x| ≤ π/4, to 2⁻⁴⁵: Taylor's series.
+static inline pair small_sincos(double x) {
+    const double z = x * x;
+    pair p = {1.0 / 6227020800, 1.0 / 479001600};
+    p = p * z + (pair){-1.0 / 39916800, -1.0 / 3628800};
+    p = p * z + (pair){1.0 / 362880, 1.0 / 40320};
+    p = p * z + (pair){-1.0 / 5040, -1.0 / 720};
+    p = p * z + (pair){1.0 / 120, 1.0 / 24};
+    p = p * z + (pair){-1.0 / 6, -1.0 / 2};
+    return (p * z + 1) * (pair){x, 1};
+}
+
+// The angle is π/4 b/a, or π/2 − π/4 a/b where |b| is the larger: then sine and cosine change places. Which
+// of the two is a coin's toss, which no processor guesses: so numbers change places by masks.
 sag_vec2 sagi_warp_disk(sag_vec2 u) {
-    double a = 2 * u.x - 1, b = 2 * u.y - 1;
-    if (a == 0 && b == 0) return (sag_vec2){0, 0};
-    double radius, angle;
-    if (fabs(a) > fabs(b)) {
-        radius = a;
-        angle = SAGI_RENDER_PI / 4 * (b / a);
-    } else {
-        radius = b;
-        angle = SAGI_RENDER_PI / 2 - SAGI_RENDER_PI / 4 * (a / b);
-    }
-    double sine, cosine;
-    sagi_sincos(angle, &sine, &cosine);
-    return (sag_vec2){radius * cosine, radius * sine};
+    const pair ab = {2 * u.x - 1, 2 * u.y - 1}, ba = {ab[1], ab[0]};
+    const pair_mask flat = (pair)((pair_mask)ab & INT64_MAX) > (pair)((pair_mask)ba & INT64_MAX),
+                    whole = {flat[0], flat[0]};
+    const pair sorted = (pair)((whole & (pair_mask)ab) | (~whole & (pair_mask)ba)); // the larger, the smaller
+    if (sorted[0] == 0) return (sag_vec2){0, 0};
+    const pair sc = small_sincos(SAGI_RENDER_PI / 4 * (sorted[1] / sorted[0])), cs = {sc[1], sc[0]};
+    const pair d = (pair)((whole & (pair_mask)cs) | (~whole & (pair_mask)sc)) * sorted[0];
+    return (sag_vec2){d[0], d[1]};
 }
 
 sag_vec3 sagi_warp_cosine(sag_vec2 u) {
-    sag_vec2 d = sagi_warp_disk(u);
-    return sag_vec3_make(d.x, d.y, sqrt(fmax(0, 1 - d.x * d.x - d.y * d.y)));
+    const sag_vec2 d = sagi_warp_disk(u);
+    const double z2 = 1 - d.x * d.x - d.y * d.y;
+    return sag_vec3_make(d.x, d.y, sqrt(z2 > 0 ? z2 : 0));
 }
 
 sag_vec3 sagi_warp_sphere(sag_vec2 u) {

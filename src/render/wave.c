@@ -11,6 +11,7 @@
 // The picture cannot depend on any of this. A path has its own random numbers and sums, nothing of them is
 // touched in another order than if it were alone (light that a shadow ray lets through is added before the
 // next step), and the pixels get their samples in the order these were started.
+#include "shapes/spawn.h"
 #include "start.h"
 
 bool sagi_wave_init(sagi_wave *wave, sag_render *render) {
@@ -47,17 +48,31 @@ void sagi_wave_clear(sagi_wave *wave, const sag_context *context) {
     sag_release(context, wave->samples, SAGI_WAVE_SIZE * sizeof *wave->samples);
 }
 
+// A path before its first ray. Where it comes from is not set: no surface has scattered it.
+static inline void begin(sagi_path *path, const sagi_sampler *sampler, sagi_pixel *pixel, uint32_t medium) {
+    path->sampler = *sampler;
+    path->pixel = pixel;
+    path->radiance = (sagi_spectrum){0, 0, 0, 0};
+    path->weight = (sagi_spectrum){1, 1, 1, 1};
+    path->surface_pdf = path->distance = 0;
+    path->eta2 = 1;
+    path->passed = path->depth = 0;
+    path->medium = medium;
+    path->exact = true;
+    path->scattered = path->dispersed = false;
+}
+
 void sagi_wave_start(sagi_wave *wave, sagi_pixel *pixel, uint32_t x, uint32_t y, uint32_t first,
                      uint32_t end) {
     const sag_render *render = wave->render;
     const bool spectral = sagi_is_spectral(render);
+    const uint32_t medium = render->has_media ? render->settings.camera_medium : 0;
+    sagi_sampler sampler = render->sampler;
+    sagi_sampler_start_pixel(&sampler, x, y);
     for (uint32_t sample = first; sample < end; sample++) {
         sagi_path *path = &wave->paths[wave->path_count++];
-        *path = (sagi_path){
-            .sampler = render->sampler, .pixel = pixel, .weight = {1, 1, 1, 1}, .eta2 = 1, .exact = true};
+        begin(path, &sampler, pixel, medium);
         if (wave->firsts) wave->firsts[wave->path_count - 1] = (sagi_first){0};
-        if (render->has_media) path->medium = render->settings.camera_medium;
-        sagi_sampler_start_pixel(&path->sampler, x, y);
         wave->active[wave->active_count] = path;
         if (wave->places) {
             sagi_sampler_start_sample(&path->sampler, sample);
@@ -81,7 +96,7 @@ void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *fr
     light *= path->weight;
     if (wave->samples) wave->samples[wave->shadow_count] = *sample;
     wave->shadows[wave->shadow_count] = (sagi_shadow){.path = path, .light = light, .medium = medium};
-    wave->shadow_rays[wave->shadow_count++] = sagi_shadow_ray(from, sample);
+    sagi_shadow_ray(from, sample, &wave->shadow_rays[wave->shadow_count++]);
 }
 
 // One step of one path, whose ray has hit or missed. True when it goes on with what is then in *ray.
@@ -132,10 +147,10 @@ static void step_all(sagi_wave *wave) {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < wave->active_count; i++) {
         sagi_path *path = wave->active[i];
-        sag_ray ray = wave->rays[i];
-        if (!step(wave, path, &ray, &wave->hits[i])) continue;
+        if (!step(wave, path, &wave->rays[i], &wave->hits[i])) continue;
         wave->active[kept] = path;
-        wave->rays[kept++] = ray;
+        if (kept != i) sagi_ray_copy(&wave->rays[kept], &wave->rays[i]);
+        kept++;
     }
     wave->active_count = kept;
 }

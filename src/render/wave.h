@@ -147,7 +147,7 @@ void sagi_volume_dim(const sag_render *render, sagi_shadow *shadow, const sag_ra
 bool sagi_path_survives(sagi_path *path);
 
 // The ray that light of this sample takes to the surface, backwards.
-sag_ray sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample);
+void sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample, sag_ray *ray);
 // What this ray comes to at its hit; moves *ray on, and *medium with it.
 sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
                               const sag_hit *hit, uint32_t *medium);

@@ -199,10 +199,11 @@ uint32_t sag_world_add_material(sag_world *world, const sag_material *material) 
                                  &material->displacement,
                                  &material->amount};
     const sagi_texture *textures = world->textures.items;
-    bool wants_footprint = false;
+    bool textured = material->normal_map != 0, wants_footprint = false;
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
         const sag_texture_id id = inputs[i]->texture;
         if (id > world->textures.count || inputs[i]->spectrum > world->spectra.count) return 0;
+        textured |= id != 0;
         wants_footprint |= id != 0 && textures[id - 1].wants_footprint;
     }
     if (material->normal_map > world->pictures.count) return 0;
@@ -212,7 +213,11 @@ uint32_t sag_world_add_material(sag_world *world, const sag_material *material) 
     sagi_material *slot = sagi_list_grow(world->context, &world->materials, sizeof *slot);
     if (!slot) return 0;
     slot->material = *material;
+    // Coats may be walked through, by random numbers of the place.
+    slot->wants_spot = textured || material->kind == SAG_MATERIAL_COATED_DIFFUSE ||
+                       material->kind == SAG_MATERIAL_COATED_CONDUCTOR;
     slot->wants_footprint = wants_footprint;
+    slot->bent = material->normal_map != 0 || material->displacement.texture != 0;
     prepare_material(world, slot);
     world->materials.count++;
     return (uint32_t)world->materials.count;

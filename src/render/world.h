@@ -35,7 +35,9 @@ typedef struct sagi_material {
     double inner_mean; // of a coat
     bool has_shares;
     float rough_share[SAGI_COAT_STEPS]; // of a rough coat, where has_shares
+    bool wants_spot;                    // it has textures, or what it does follows from the place
     bool wants_footprint;               // of one of its textures
+    bool bent;                          // its shading frame is not the surface's own
 } sagi_material;
 
 // The look of one geometry; its user data is the id.
@@ -78,10 +80,20 @@ void sagi_list_clear(const sag_context *context, sagi_list *list, size_t item_by
 
 // The value of what may be a texture: as a number, as a colour, and by wavelength, where `color` is the input
 // made ready.
-double sagi_input_number(const sag_world *world, const sag_input *input, const sagi_spot *at);
+double sagi_input_looked_up(const sag_world *world, const sag_input *input, const sagi_spot *at);
+static inline double sagi_input_number(const sag_world *world, const sag_input *input, const sagi_spot *at) {
+    if (input->texture == 0 && input->spectrum == 0) return input->value.r;
+    return sagi_input_looked_up(world, input, at);
+}
 sag_rgb sagi_input_rgb(const sag_world *world, const sag_input *input, const sagi_spot *at);
-sagi_spectrum sagi_input_spectrum(const sag_world *world, const sag_input *input, const sagi_color *color,
+sagi_spectrum sagi_input_textured(const sag_world *world, const sag_input *input, const sagi_color *color,
                                   sagi_rgb_use use, const sagi_spot *at, sagi_spectrum lambda);
+static inline sagi_spectrum sagi_input_spectrum(const sag_world *world, const sag_input *input,
+                                                const sagi_color *color, sagi_rgb_use use,
+                                                const sagi_spot *at, sagi_spectrum lambda) {
+    if (input->texture == 0) return sagi_color_at(color, lambda);
+    return sagi_input_textured(world, input, color, use, at, lambda);
+}
 // An input that is no texture, made ready, and as RGB.
 sagi_color sagi_input_color(const sag_world *world, const sag_input *input, sagi_rgb_use use);
 sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input);

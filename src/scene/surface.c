@@ -10,7 +10,7 @@
 // so outward stays outward.
 //
 // The position's error bound e is there for rays spawned at the surface. Such a ray starts at p' + w with
-// n'·w = Σ|n'ᵢ| e'ᵢ at least (src/shapes/spawn.c), and is brought back by the computed inverse X = M⁻¹(1 + ε)
+// n'·w = Σ|n'ᵢ| e'ᵢ at least (src/shapes/spawn.h), and is brought back by the computed inverse X = M⁻¹(1 + ε)
 // in double. Let it be off by r in each coordinate then. Along the object's unit normal n, which is Mᵀn'
 // scaled by 1/|Mᵀn'|, the start is (n'·w)/|Mᵀn'| away from where p' comes back to, and it must be
 // Σ|nᵢ|(eᵢ + rᵢ) away to be clear of the surface. Because

@@ -129,7 +129,7 @@ void sagi_point_at(const sag_ray *ray, sagi_cut cut, sag_vec3 *position, sag_vec
     position->z = coordinate_at(o->z, d->z, cut, &position_error->z);
 }
 
-// The quick test's error of (q − o)·n is 5u Σ|nᵢ||qᵢ − oᵢ|. Moved by Σ|nᵢ|eᵢ along the unit n (spawn.c) the
+// The quick test's error of (q − o)·n is 5u Σ|nᵢ||qᵢ − oᵢ|. Moved by Σ|nᵢ|eᵢ along the unit n (spawn.h) the
 // true value is at least that, so eᵢ = 8u|qᵢ − pᵢ| more than makes up for it.
 void sagi_clear_plane(sag_vec3 point, sag_surface *surface) {
     surface->position_error =

@@ -1,68 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Rays that leave a surface without meeting it again.
-//
-// A computed position p is off the surface: all that is known is that the true point lies in the box p ± e, e
-// being surface.position_error. A ray from p may start on the wrong side and meet the surface at once. Two
-// cures are usual, a t_min > 0 or a fixed step along the normal; both need a length, and no length fits every
-// scale. The bound needs none:
-//
-// The surface near p is the plane through the true point with unit normal n. Over the box p ± e the distance
-// along n of a point from p is at most
-//     δ = |n.x| e.x + |n.y| e.y + |n.z| e.z,
-// so p + δn is on or above every plane with that normal that meets the box, and so above the surface; p − δn
-// below it. The ray goes to the side its direction points to (Pharr, Jakob & Humphreys, "Physically Based
-// Rendering", 4th ed., §6.8.6).
-//
-// Rounding: n's length and the sum that makes δ are good to a few 2⁻⁵³, which the factor 1 + 2⁻⁵⁰ covers.
-// Adding δn to p rounds each coordinate to nearest, by at most half an ulp, and perhaps towards the surface;
-// stepping it to the next double away from the surface makes up for that. The step is taken also where δn is
-// too small to change p, so a ray never starts exactly on a surface whose position happens to be exact.
-//
-// A coordinate that is exactly 0 with error 0 (the floor y = 0 hit from within the floor) is the one place
-// where a step can be too small to be seen: from the next double after 0, 5e-324, t underflows to 0, and a
-// transform takes it back to 0. δ is therefore at least 2⁻⁵⁰⁰: 150 orders of magnitude above underflow and
-// as many below a rounding of anything else.
-#include "shapes/common.h"
-
-// The next double from `moved` to the side of `normal`: the nearest to moved (1 ± φ) with φ slightly above
-// half the spacing's share is just that one where nothing underflows (Rump, Zimmermann, Boldo & Melquiond,
-// "Computing predecessor and successor in rounding to nearest", BIT 49, 2009). Which side it is, no processor
-// guesses well: so it is arithmetic.
-static inline double step_away(double position, double normal, double distance) {
-    const double moved = position + distance * normal, size = fabs(moved);
-    if (__builtin_expect(!(size > 0x1p-960 && size < 0x1p1000), 0))
-        return normal > 0 ? sagi_next_up(moved) : normal < 0 ? sagi_next_down(moved) : moved;
-    const double step = size * (0x1p-53 * (1 + 0x1p-52));
-    return moved + (normal != 0 ? copysign(step, normal) : 0);
-}
-
-// The point off the surface on the side that `direction` points to.
-static inline sag_vec3 offset(const sag_surface *surface, sag_vec3 direction) {
-    const sag_vec3 normal = surface->geometric_normal;
-    double distance = sag_dot(sag_abs(normal), surface->position_error) * (1 + 0x1p-50);
-    if (!(distance > 0x1p-500)) distance = 0x1p-500;
-    const sag_vec3 n = sag_scale(normal, copysign(1, sag_dot(direction, normal) + 0.0));
-    return sag_vec3_make(step_away(surface->position.x, n.x, distance),
-                         step_away(surface->position.y, n.y, distance),
-                         step_away(surface->position.z, n.z, distance));
-}
-
-static inline sag_ray make(sag_vec3 origin, sag_vec3 direction, double t_max) {
-    return (sag_ray){.origin = origin, .direction = direction, .t_max = t_max};
-}
+// Rays that leave a surface without meeting it again, as functions: spawn.h says how.
+#include "shapes/spawn.h"
 
 sag_ray sag_spawn_ray(const sag_surface *surface, sag_vec3 direction) {
-    return make(offset(surface, direction), direction, INFINITY);
+    sag_ray ray = {.t_min = 0};
+    sagi_spawn(surface, direction, &ray);
+    return ray;
 }
 
 sag_ray sag_spawn_ray_to_point(const sag_surface *surface, sag_vec3 point) {
-    sag_vec3 origin = offset(surface, sag_sub(point, surface->position));
-    return make(origin, sag_sub(point, origin), 1);
+    sag_ray ray = {.t_min = 0};
+    sagi_spawn_to_point(surface, point, &ray);
+    return ray;
 }
 
 sag_ray sag_spawn_ray_to_surface(const sag_surface *from, const sag_surface *to) {
-    sag_vec3 between = sag_sub(to->position, from->position);
-    sag_vec3 origin = offset(from, between);
-    // to the largest double below 1
-    return make(origin, sag_sub(offset(to, sag_neg(between)), origin), 1 - 0x1p-53);
+    sag_ray ray = {.t_min = 0};
+    sagi_spawn_to_surface(from, to, &ray);
+    return ray;
 }
