@@ -80,6 +80,9 @@ static void make_scenery(scenery *w, rng *r, int which, int depth, sag_light_sam
         }
         scene = outer;
     }
+    // Beside a light that is far, which is chosen as often as all others together.
+    if (rng_one_in(r, 2))
+        sag_world_add_light(w->s.world, &(sag_light){.kind = SAG_LIGHT_INFINITE, .color = {1, 1, 1}});
     w->s.settings->light_sampler = sampler;
     assert_int_equal(sag_scene_commit(w->s.scene, &w->error), SAG_OK);
     assert_int_equal(sagi_lights_init(&w->lights, w->s.world, &w->error), SAG_OK);
@@ -105,7 +108,8 @@ static void check(const scenery *w, rng *r, const sagi_shading_point *from, int 
     for (int i = 0; i < SAMPLES; i++) {
         sagi_light_sample sample;
         double x = 0;
-        if (sagi_lights_sample(&w->lights, from, green, rng_unit(r), rng_vec2(r), &sample)) {
+        if (sagi_lights_sample(&w->lights, from, green, rng_unit(r), rng_vec2(r), &sample) &&
+            sample.target == SAGI_TARGET_SURFACE) {
             assert_true(sample.pdf > 0 && fabs(sag_dot(sample.wi, sample.wi) - 1) < 1e-9);
             sag_ray ray = sag_ray_make(from->position, sample.wi);
             sag_hit hit;

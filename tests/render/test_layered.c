@@ -176,10 +176,34 @@ static void compare(const char *name, int w, const char *what, const tally *a, c
     assert_true(chi < used + 5 * sqrt(2.0 * used) + 3);
 }
 
+// The same over all cells, materials and directions: a few percent too much everywhere show in no cell alone.
+typedef struct balance {
+    double difference, variance, sum;
+} balance;
+
+// `of_each`: every sample fell into one cell; else each cell has had its share of them.
+static void weigh(balance *all, double sign, const tally *t, bool of_each, int cells, double n) {
+    double sum = 0, squares = 0, within = 0;
+    for (int i = 0; i < cells; i++) {
+        sum += t->sum[i], squares += t->squares[i];
+        within += sagi_square(t->sum[i]) * cells / n;
+    }
+    all->difference += sign * sum / n;
+    all->variance += (squares - (of_each ? sum * sum / n : within)) / (n * n);
+    all->sum += sum / n / 2;
+}
+
+static void assert_balanced(const char *what, const balance *all) {
+    const double deviation = sqrt(all->variance);
+    if (!(fabs(all->difference) < 4 * deviation && deviation < 0.005 * all->sum))
+        fail_msg("%s: %g +- %g too much, of %g", what, all->difference, deviation, all->sum);
+}
+
 static void walks_agree_with_the_slow_one(void **state) {
     (void)state;
     enum { COUNT = 12000 };
     rng r = rng_make(31);
+    balance samples = {0}, values = {0};
     for (size_t c = 0; c < CASE_COUNT; c++)
         for (int w = 0; w < 3; w++) {
             const sag_vec3 wo = outgoing(w);
@@ -207,7 +231,13 @@ static void walks_agree_with_the_slow_one(void **state) {
             }
             compare(cases[c].name, w, "sample", &slow, &sampled, CELLS + 1, COUNT);
             compare(cases[c].name, w, "eval", &slow, &evaluated, CELLS, COUNT);
+            weigh(&samples, -1, &slow, true, CELLS + 1, COUNT);
+            weigh(&samples, 1, &sampled, true, CELLS + 1, COUNT);
+            weigh(&values, -1, &slow, true, CELLS, COUNT);
+            weigh(&values, 1, &evaluated, false, CELLS, COUNT);
         }
+    assert_balanced("samples", &samples);
+    assert_balanced("values", &values);
 }
 
 // The density is an estimate, but one of a density: it is 1 altogether or less.

@@ -155,6 +155,13 @@ static void add_mesh(studio *s) {
     uint32_t id = sag_add_mesh(s->scene, &mesh); // the normal, by the order of the vertices, is down
     sag_world_set_appearance(s->world, s->scene, id, &(sag_appearance){.emission = {3, 3, 3}});
 }
+static void add_mesh_of_intensities(studio *s) { // each triangle, of area 2, as much as 6 on an area of 1
+    sag_mesh mesh = {
+        .positions_f32 = square, .triangles = square_faces, .vertex_count = 4, .triangle_count = 2};
+    uint32_t id = sag_add_mesh(s->scene, &mesh);
+    sag_world_set_appearance(s->world, s->scene, id,
+                             &(sag_appearance){.emission = {6, 6, 6}, .emission_over_area = true});
+}
 static void add_mesh_with_normals(studio *s) {
     // The wrong way round, but with normals that say what is in front.
     const uint32_t faces[] = {0, 2, 1, 0, 3, 2};
@@ -177,6 +184,7 @@ static void add_rectangle(studio *s) {
 static void square_lights(void **state) {
     (void)state;
     expect_from_all_strategies(add_mesh, square_irradiance(3));
+    expect_from_all_strategies(add_mesh_of_intensities, square_irradiance(3));
     expect_from_all_strategies(add_mesh_with_normals, square_irradiance(3));
     expect_from_all_strategies(add_rectangle, square_irradiance(3));
 }

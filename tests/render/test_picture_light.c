@@ -9,6 +9,7 @@
 #include <cmocka.h>
 // clang-format on
 #include "render/light.h"
+#include "render/warp.h"
 #include "support/failing_allocator.h"
 #include "support/mean.h"
 #include "support/picture.h"
@@ -162,6 +163,39 @@ static void check_far(rng *r, sag_strategy strategy, bool picture, bool portal) 
     studio_close(&s);
 }
 
+// The picture's density, texel by texel: together 1, and each as bright as its share (in excess of the mean,
+// where surfaces' samples bring the rest).
+static void texels_have_their_share(void **state) {
+    (void)state;
+    rng r = rng_make(4);
+    for (int strategy = SAG_STRATEGY_MIS; strategy <= SAG_STRATEGY_LIGHTS; strategy++) {
+        enum { SIDE = 16 };
+        studio s = studio_open(1);
+        s.settings->strategy = (sag_strategy)strategy;
+        sag_light light = {.kind = SAG_LIGHT_INFINITE, .color = {2, 2, 2}, .to_world = random_turn(&r)};
+        light.image = noise(&s, &r, SIDE, SIDE);
+        double texels[SIDE * SIDE], all = 0, sum = 0;
+        const double bias = strategy == SAG_STRATEGY_MIS ? picture_mean(&light.image) : 0;
+        for (size_t i = 0; i < SIDE * SIDE; i++)
+            all += texels[i] = fmax(0, (double)light.image.pixels[3 * i] - bias);
+        const sag_affine turn = light.to_world;
+        assert_int_equal(sag_world_add_light(s.world, &light), 1);
+        sagi_lights lights;
+        prepare(&s, &lights);
+        const sagi_shading_point from = {.normal = {0, 0, 1}};
+        for (size_t i = 0; i < SIDE * SIDE; i++) {
+            const sag_vec2 at = {((double)(i % SIDE) + 0.5) / SIDE, ((double)(i / SIDE) + 0.5) / SIDE};
+            const sag_vec3 wi = sag_affine_vector(&turn, sagi_equal_area_to_sphere(at));
+            const double share = sagi_sky_pdf(&lights.lights[0], &from, wi) * 4 * PI / (SIDE * SIDE);
+            assert_true(fabs(share - texels[i] / all) < 1e-6);
+            sum += share;
+        }
+        assert_true(fabs(sum - 1) < 1e-6);
+        sagi_lights_clear(&lights);
+        studio_close(&s);
+    }
+}
+
 static void light_from_far_is_sampled_as_it_comes(void **state) {
     (void)state;
     rng r = rng_make(2);
@@ -269,6 +303,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(beams_have_the_power_of_their_pictures),
         cmocka_unit_test(light_from_far_is_sampled_as_it_comes),
+        cmocka_unit_test(texels_have_their_share),
         cmocka_unit_test(window_over_a_floor),
         cmocka_unit_test(bad_lights_are_refused),
         cmocka_unit_test(memory_may_run_out),
