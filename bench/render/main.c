@@ -131,18 +131,33 @@ static bool measure(const options *o, const subject_scene *scene, outcome *r) {
 static void print_heading(const options *o) {
     printf("\n  %u samples a pixel; seconds of tracing alone, pbrt-v4's of rendering%s\n\n", o->spp,
            o->pbrt != NULL ? " (in the same run, in turns)" : " (when it made the reference pictures)");
-    printf("  %-12s %9s %8s %8s %6s %10s %8s %9s %9s %9s   %9s %7s %7s %7s %8s %8s\n", "scene", "size",
-           "seconds", "pbrt", "ratio", "Msamples/s", "Mrays/s", "traversal", "memory", "pbrt's", "luminance",
-           "R", "G", "B", "blocks", "pixels");
+    printf("  %-12s %9s %8s %8s %6s %10s %8s %9s %8s %8s %9s %9s   %9s %7s %7s %7s %8s %8s\n", "scene",
+           "size", "seconds", "pbrt", "ratio", "Msamples/s", "Mrays/s", "traversal", "shading", "textures",
+           "memory", "pbrt's", "luminance", "R", "G", "B", "blocks", "pixels");
+}
+
+// What the threads' time goes into; shading is all but the other two, camera and film included.
+typedef enum part { TRAVERSAL, SHADING, TEXTURES } part;
+
+static double share_of(const outcome *o, part which) {
+    const double traversal = o->stats.traversal_seconds / o->stats.thread_seconds,
+                 textures = o->stats.texture_seconds / o->stats.thread_seconds;
+    switch (which) {
+    case TRAVERSAL: return traversal;
+    case TEXTURES: return textures;
+    case SHADING: break;
+    }
+    return 1 - traversal - textures;
 }
 
 static void print_outcome(const outcome *o) {
     char size[32];
     snprintf(size, sizeof size, "%u x %u", o->scene->width, o->scene->height);
-    printf("  %-12s %9s %8.2f %8.2f %6.2f %10.3f %8.2f %7.0f %% %6.0f MB", o->scene->name, size, o->seconds,
-           o->pbrt_seconds, o->pbrt_seconds / o->seconds, (double)o->stats.camera_samples / o->seconds / 1e6,
-           (double)o->stats.rays / o->seconds / 1e6,
-           100 * o->stats.traversal_seconds / o->stats.thread_seconds, (double)o->peak_bytes / 1e6);
+    printf("  %-12s %9s %8.2f %8.2f %6.2f %10.3f %8.2f %7.0f %% %6.0f %% %6.0f %% %6.0f MB", o->scene->name,
+           size, o->seconds, o->pbrt_seconds, o->pbrt_seconds / o->seconds,
+           (double)o->stats.camera_samples / o->seconds / 1e6, (double)o->stats.rays / o->seconds / 1e6,
+           100 * share_of(o, TRAVERSAL), 100 * share_of(o, SHADING), 100 * share_of(o, TEXTURES),
+           (double)o->peak_bytes / 1e6);
     if (o->pbrt_bytes != 0)
         printf(" %6.0f MB", (double)o->pbrt_bytes / 1e6);
     else
@@ -172,8 +187,9 @@ static bool write_json(const char *path, const outcome *outcomes, size_t count, 
         cJSON_AddNumberToObject(json, "build_seconds", r->build_seconds);
         cJSON_AddNumberToObject(json, "samples_per_second", (double)r->stats.camera_samples / r->seconds);
         cJSON_AddNumberToObject(json, "rays_per_second", (double)r->stats.rays / r->seconds);
-        cJSON_AddNumberToObject(json, "traversal_share",
-                                r->stats.traversal_seconds / r->stats.thread_seconds);
+        cJSON_AddNumberToObject(json, "traversal_share", share_of(r, TRAVERSAL));
+        cJSON_AddNumberToObject(json, "shading_share", share_of(r, SHADING));
+        cJSON_AddNumberToObject(json, "texture_share", share_of(r, TEXTURES));
         cJSON_AddNumberToObject(json, "bad_samples", (double)r->stats.bad_samples);
         cJSON_AddNumberToObject(json, "peak_bytes", (double)r->peak_bytes);
         if (r->pbrt_bytes != 0) cJSON_AddNumberToObject(json, "pbrt_peak_bytes", (double)r->pbrt_bytes);

@@ -53,6 +53,7 @@ typedef struct sag_render_stats {
     double build_seconds, trace_seconds;
     double thread_seconds;    ///< of tracing, all threads together
     double traversal_seconds; ///< of those, in finding what rays hit
+    double texture_seconds;   ///< of those, in looking up textures: told by one surface of 64
 } sag_render_stats;
 
 typedef struct sag_render sag_render;

@@ -45,7 +45,7 @@ struct sag_render {
     sagi_splat *splats;                       // as many, of light followed from the lamps; else NULL
     sagi_layer_pixel *layers;                 // as many, or NULL when the film asks for none
     uint32_t *tile_done;                      // samples taken of each pixel of a tile
-    atomic_uint_fast64_t rays, camera_samples, bad_samples, thread_ns, traversal_ns;
+    atomic_uint_fast64_t rays, camera_samples, bad_samples, thread_ns, traversal_ns, texture_ns;
     atomic_uint_fast64_t first_bad[SAG_BAD_SAMPLES]; // row, column and number, sorted; all ones: none
     double build_seconds, trace_seconds;
 

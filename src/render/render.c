@@ -205,7 +205,7 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     tile.x1 = tile.x0 + SAGI_TILE_SIZE < render->width ? tile.x0 + SAGI_TILE_SIZE : render->width;
     tile.y1 = tile.y0 + SAGI_TILE_SIZE < render->height ? tile.y0 + SAGI_TILE_SIZE : render->height;
     wave->rays_traced = 0;
-    wave->traversal_seconds = 0;
+    wave->traversal_seconds = wave->texture_seconds = 0;
     const double start = sagi_clock_seconds();
     if (sagi_can_glance(render))
         sagi_glance_tile(render, wave, &tile);
@@ -214,6 +214,7 @@ static void run_tile(sag_render *render, sagi_wave *wave, size_t index) {
     render->tile_done[index] = tile.end;
     atomic_fetch_add(&render->rays, wave->rays_traced);
     atomic_fetch_add(&render->traversal_ns, (uint64_t)(1e9 * wave->traversal_seconds));
+    atomic_fetch_add(&render->texture_ns, (uint64_t)(1e9 * wave->texture_seconds));
     atomic_fetch_add(&render->thread_ns, (uint64_t)(1e9 * (sagi_clock_seconds() - start)));
     atomic_fetch_add(&render->camera_samples,
                      (uint64_t)(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * (tile.end - tile.first));
@@ -286,6 +287,7 @@ void sag_render_get_stats(const sag_render *render, sag_render_stats *stats) {
                                 .build_seconds = render->build_seconds,
                                 .trace_seconds = render->trace_seconds,
                                 .thread_seconds = 1e-9 * (double)atomic_load(&render->thread_ns),
-                                .traversal_seconds = 1e-9 * (double)atomic_load(&render->traversal_ns)};
+                                .traversal_seconds = 1e-9 * (double)atomic_load(&render->traversal_ns),
+                                .texture_seconds = 1e-9 * (double)atomic_load(&render->texture_ns)};
     stats->bad_told = sagi_film_first_bad(render, stats->bad);
 }

@@ -145,8 +145,11 @@ void sagi_wave_intersect(sagi_wave *wave, const sag_ray *rays, uint32_t count) {
 static void step_all(sagi_wave *wave) {
     sagi_wave_intersect(wave, wave->rays, wave->active_count);
     uint32_t kept = 0;
+    const bool textured = wave->render->world->textures.count + wave->render->world->pictures.count > 0;
     for (uint32_t i = 0; i < wave->active_count; i++) {
         sagi_path *path = wave->active[i];
+        if (textured && wave->hits_seen++ % SAGI_TIMED_HITS == 0)
+            sagi_time_textures(wave, path, &wave->rays[i], &wave->hits[i]);
         if (!step(wave, path, &wave->rays[i], &wave->hits[i])) continue;
         wave->active[kept] = path;
         if (kept != i) sagi_ray_copy(&wave->rays[kept], &wave->rays[i]);

@@ -94,6 +94,8 @@ typedef struct sagi_wave {
     sagi_glance *glances;       // samples that are no paths (glance.c)
     uint64_t rays_traced;
     double traversal_seconds; // within the scene's queries
+    uint64_t hits_seen;       // to time textures at one of SAGI_TIMED_HITS
+    double texture_seconds;   // about, texture_time.c
 } sagi_wave;
 
 // False when memory is short; clear it then too. `wave` is zeroed.
@@ -111,6 +113,10 @@ void sagi_wave_add_light(sagi_wave *wave, sagi_path *path, const sag_surface *fr
 
 // The scene's batch query, counted and timed.
 void sagi_wave_intersect(sagi_wave *wave, const sag_ray *rays, uint32_t count);
+
+// One of so many hits is looked at for how long its textures take.
+#define SAGI_TIMED_HITS 64u
+void sagi_time_textures(sagi_wave *wave, const sagi_path *path, const sag_ray *ray, const sag_hit *hit);
 
 // Whether samples are no more than the hits of the camera's rays; takes those of a tile and adds them to
 // their pixels (glance.c).
