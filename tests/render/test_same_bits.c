@@ -9,77 +9,10 @@
 #include <cmocka.h>
 // clang-format on
 #include "base/cpu.h"
+#include "support/scene_files.h"
 #include "support/scene_text.h"
 #include <stdlib.h>
 #include <string.h>
-
-static const char everything[] =
-    "LookAt 0 2.5 -8  0 .8 0  0 1 0\n"
-    "Camera \"perspective\" \"float fov\" 40 \"float lensradius\" .05 \"float focaldistance\" 8\n"
-    "Film \"rgb\" \"integer xresolution\" 50 \"integer yresolution\" 38\n"
-    "Sampler \"zsobol\" \"integer pixelsamples\" 4\n"
-    "PixelFilter \"mitchell\"\n"
-    "Integrator \"volpath\" \"integer maxdepth\" 8 \"bool regularize\" true\n"
-    "WorldBegin\n"
-    "MakeNamedMedium \"mist\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [.02 .02 .03] \"rgb sigma_a\" "
-    "[.01 .01 .01]\n"
-    "MakeNamedMedium \"juice\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 .3 .2] \"rgb sigma_a\" [.1 "
-    "1 "
-    "2] \"float g\" .6\n"
-    "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"
-    "LightSource \"spot\" \"point3 from\" [-3 5 -3] \"point3 to\" [0 0 0] \"blackbody I\" 4000 \"float "
-    "power\" "
-    "200\n"
-    "LightSource \"goniometric\" \"rgb I\" [2 2 3] \"string filename\" \"sky.exr\"\n"
-    "LightSource \"projection\" \"string filename\" \"sky.exr\" \"float scale\" 5\n"
-    "Texture \"noise\" \"float\" \"fbm\" Texture \"bumps\" \"float\" \"scale\" \"texture tex\" \"noise\" "
-    "\"float "
-    "scale\" .05\n"
-    "Texture \"picture\" \"spectrum\" \"imagemap\" \"string filename\" \"sky.exr\" \"string filter\" "
-    "\"ewa\"\n"
-    "Texture \"board\" \"spectrum\" \"checkerboard\" \"float uscale\" 20 \"float vscale\" 20 \"texture "
-    "tex1\" "
-    "\"picture\" \"rgb tex2\" [.1 .1 .2]\n"
-    "Texture \"marble\" \"spectrum\" \"marble\"\n"
-    "Texture \"leaf\" \"float\" \"dots\" \"float inside\" .2 \"float outside\" 1 \"float uscale\" 9 \"float "
-    "vscale\" 9\n"
-    "Material \"diffuse\" \"texture reflectance\" \"board\"\n"
-    "Shape \"bilinearmesh\" \"point3 P\" [-9 0 -9  9 0 -9  -9 0 9  9 0 9]\n"
-    "AttributeBegin Translate 0 4 0 AreaLightSource \"diffuse\" \"rgb L\" [4 4 3] \"bool twosided\" true\n"
-    "Shape \"sphere\" \"float radius\" .3 Translate 1 0 0 Shape \"disk\" \"float radius\" .4 AttributeEnd\n"
-    "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [2 3 4] Shape \"trianglemesh\" \"point3 P\" [-3 3 "
-    "3 -2 3 "
-    "3 -3 4 3 -2 4 3] \"integer indices\" [0 2 1 1 2 3] AttributeEnd\n"
-    "AttributeBegin Translate -2.4 1 0 Material \"dielectric\" \"spectrum eta\" \"glass-F11\" \"float "
-    "roughness\" "
-    ".01 Shape \"sphere\" AttributeEnd\n"
-    "AttributeBegin Translate 0 1 0 MediumInterface \"juice\" \"\" Material \"dielectric\" \"float eta\" "
-    "1.33 "
-    "Rotate -90 1 0 0 Shape \"cylinder\" \"float radius\" .7 \"bool closed\" true AttributeEnd\n"
-    "AttributeBegin Translate 2.4 1 0 Material \"coatedconductor\" \"float thickness\" .2 \"rgb albedo\" [.5 "
-    ".5 .5] "
-    "\"texture displacement\" \"bumps\" Shape \"sphere\" AttributeEnd\n"
-    "AttributeBegin Translate 0 1 2.5 MediumInterface \"mist\" \"\" Material \"interface\" Shape \"box\" "
-    "\"point3 "
-    "min\" [-4 -1 -1] \"point3 max\" [4 2 1] AttributeEnd\n"
-    "AttributeBegin Translate -1.2 .4 -2 Material \"coateddiffuse\" \"texture reflectance\" \"marble\" "
-    "\"float "
-    "roughness\" .1 SolidBegin \"difference\" Shape \"box\" \"point3 min\" [-.4 -.4 -.4] \"point3 max\" [.4 "
-    ".4 .4] "
-    "Shape \"sphere\" \"float radius\" .5 SolidEnd AttributeEnd\n"
-    "ObjectBegin \"leaf\" Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .1] \"rgb "
-    "transmittance\" [.1 "
-    ".3 .1] Shape \"disk\" \"float radius\" .5 \"texture alpha\" \"leaf\" Material \"conductor\" \"float "
-    "uroughness\" "
-    ".1 \"float vroughness\" .3 Shape \"torus\" \"float majorradius\" .5 \"float minorradius\" .1 ObjectEnd\n"
-    "AttributeBegin Translate 1.2 .7 -2 Rotate 30 0 1 0 ObjectInstance \"leaf\" Translate .3 .3 .5 Scale -.7 "
-    "1 1 "
-    "ObjectInstance \"leaf\" AttributeEnd\n"
-    "MakeNamedMaterial \"a\" \"string type\" \"thindielectric\" MakeNamedMaterial \"b\" \"string type\" "
-    "\"diffuse\"\n"
-    "AttributeBegin Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .4 Translate 0 2.6 "
-    "-1 Shape "
-    "\"disk\" \"float radius\" .6 AttributeEnd\n";
 
 // A context of its own for each way, with the scene in it.
 typedef struct way {
@@ -101,12 +34,7 @@ enum { WAYS = sizeof ways / sizeof *ways };
 
 static int setup(void **state) {
     if (scene_setup(state) != 0) return 1;
-    sag_image image = {0};
-    assert_int_equal(sag_image_create(scene_context, 8, 8, 3, &image, NULL), SAG_OK);
-    for (size_t i = 0; i < 8 * 8 * 3; i++) image.pixels[i] = (float)((i * 37) % 11) / 10;
-    assert_int_equal(sag_image_write(scene_context, &image, scene_path("sky.exr"), NULL), SAG_OK);
-    sag_image_clear(scene_context, &image);
-    scene_write("everything.pbrt", everything, strlen(everything));
+    scene_copy_files();
     for (int i = 0; i < WAYS; i++) {
         sagi_isa isa;
         way *w = &ways[i];
@@ -172,7 +100,7 @@ static void compare(sag_integrator_kind integrator, sag_sampler_kind sampler) {
 
 static void integrators(void **state) {
     (void)state;
-    for (sag_integrator_kind kind = SAG_INTEGRATOR_PATH; kind <= SAG_INTEGRATOR_VOLPATH; kind++)
+    for (sag_integrator_kind kind = SAG_INTEGRATOR_PATH; kind <= SAG_INTEGRATOR_LIGHTPATH; kind++)
         compare(kind, SAG_SAMPLER_ZSOBOL);
 }
 
