@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Points of shining geometry, and the density of the directions to them.
 //
-// Flat pieces are sampled over the directions they fill (spherical.c), unless they fill so little that
-// rounding shows, or so much that the point is nearly on them (pbrt-v4's limits); balls by their cone
-// (ball.c); all else, and these beyond their limits, uniformly by area or as the shape says: a density p by
-// area is p d²/|cos θ| per solid angle. Which way is taken is a function of the light and of the point that
-// is shone on, so that the density of a direction found in another way is known.
+// Flat pieces are sampled over the directions they fill (area_flat.c), balls by their cone (ball.c); all
+// else, and these beyond their limits, uniformly by area or as the shape says: a density p by area is p
+// d²/|cos θ| per solid angle. Which way is taken is a function of the light and of the point that is shone
+// on, so that the density of a direction found in another way is known.
 //
 // A bent bilinear patch is sampled by its parameters, in proportion to the area element dA = |∂p/∂u × ∂p/∂v|
 // at its corners and bilinear between: that is a density of p(u, v)/dA by area.
@@ -16,9 +15,6 @@
 
 #include "shapes/mesh.h"
 #include "warp.h"
-
-#define LEAST_SOLID_ANGLE 3e-4
-#define MOST_SOLID_ANGLE  6.22
 
 // The corners in the world's space; of a group of the kind SAGI_AREA_FACET.
 static void facet_of(const sagi_area_group *group, uint32_t primitive, sagi_facet *facet) {
@@ -31,30 +27,26 @@ static void facet_of(const sagi_area_group *group, uint32_t primitive, sagi_face
         corner[0] = t->a, corner[1] = t->b, corner[2] = t->c;
     } else if (group->shape_kind == SAG_SHAPE_RECTANGLE) {
         const sag_rectangle *r = group->shape;
-        *facet = (sagi_facet){r->corner, r->edge_u, r->edge_v, true};
+        *facet = (sagi_facet){.a = r->corner, .e = r->edge_u, .f = r->edge_v, .parallelogram = true};
     } else {
         const sag_bilinear_patch *p = group->shape;
-        *facet = (sagi_facet){p->p00, sag_sub(p->p10, p->p00), sag_sub(p->p01, p->p00), true};
+        *facet = (sagi_facet){
+            .a = p->p00, .e = sag_sub(p->p10, p->p00), .f = sag_sub(p->p01, p->p00), .parallelogram = true};
     }
     if (!facet->parallelogram)
-        *facet = (sagi_facet){corner[0], sag_sub(corner[1], corner[0]), sag_sub(corner[2], corner[0]), false};
-    if (!group->moved) return;
-    facet->a = sag_affine_point(&group->to_world, facet->a);
-    facet->e = sag_affine_vector(&group->to_world, facet->e);
-    facet->f = sag_affine_vector(&group->to_world, facet->f);
+        *facet = (sagi_facet){
+            .a = corner[0], .e = sag_sub(corner[1], corner[0]), .f = sag_sub(corner[2], corner[0])};
+    if (group->moved) {
+        facet->a = sag_affine_point(&group->to_world, facet->a);
+        facet->e = sag_affine_vector(&group->to_world, facet->e);
+        facet->f = sag_affine_vector(&group->to_world, facet->f);
+    }
+    sagi_facet_measure(facet);
 }
 
 void sagi_area_facet(const sagi_areas *areas, uint32_t index, sagi_facet *facet) {
     const sagi_area_group *group = sagi_area_group_of(areas, index);
     facet_of(group, index - group->first, facet);
-}
-
-// Sees the facet; false where it is better sampled by area.
-static bool see(const sagi_area_group *group, uint32_t primitive, const sagi_shading_point *from,
-                sagi_facet *facet, sagi_facet_view *view) {
-    facet_of(group, primitive, facet);
-    sagi_facet_see(facet, from->position, from->normal, from->reflects_only, view);
-    return view->solid_angle >= LEAST_SOLID_ANGLE && view->solid_angle <= MOST_SOLID_ANGLE;
 }
 
 // The area element at the corners (0, 0), (1, 0), (0, 1), (1, 1) of a patch, or, `at` given, at that one.
@@ -103,9 +95,8 @@ void sagi_area_map_outward(const sagi_areas *areas, const sagi_area_group *group
     for (uint32_t i = group->depth; i-- > 0;) sag_instance_map_surface(scenes[i], group->path[i], surface);
 }
 
-// The surface that a ray from → wi meets at t, the way a traced ray would find it.
-static void meet(const sagi_areas *areas, const sagi_area_group *group, uint32_t primitive, sag_vec3 from,
-                 sag_vec3 wi, double t, sag_vec2 uv, sag_surface *surface) {
+void sagi_area_meet(const sagi_areas *areas, const sagi_area_group *group, uint32_t primitive, sag_vec3 from,
+                    sag_vec3 wi, double t, sag_vec2 uv, sag_surface *surface) {
     const sag_ray ray = sag_ray_make(from, wi);
     sag_hit hit = {.t = t,
                    .u = uv.x,
@@ -157,7 +148,7 @@ static bool sample_patch(const sagi_areas *areas, uint32_t index, const sagi_sha
     const double distance = sag_length(d);
     if (!(distance > 0)) return false;
     *wi = sag_scale(d, 1 / distance);
-    meet(areas, group, 0, from->position, *wi, distance, uv, surface);
+    sagi_area_meet(areas, group, 0, from->position, *wi, distance, uv, surface);
     *pdf = patch_density(group, uv) * distance * distance / fabs(sag_dot(*wi, surface->geometric_normal));
     return *pdf > 0 && isfinite(*pdf);
 }
@@ -173,7 +164,8 @@ static bool sample_ball(const sagi_areas *areas, uint32_t index, double cone, co
     *wi = sag_scale(d, 1 / distance);
     *pdf = 1 / (2 * SAGI_RENDER_PI * cone);
     if (group->depth > 0)
-        meet(areas, group, surface->primitive, from->position, *wi, distance, (sag_vec2){0, 0}, surface);
+        sagi_area_meet(areas, group, surface->primitive, from->position, *wi, distance, (sag_vec2){0, 0},
+                       surface);
     return distance > 0 && isfinite(*pdf);
 }
 
@@ -182,6 +174,8 @@ bool sagi_area_sample(const sagi_areas *areas, uint32_t index, const sagi_shadin
     const sagi_area_group *group = sagi_area_group_of(areas, index);
     const sagi_area *area = &areas->areas[index];
     if (!(area->density > 0)) return false;
+    if (areas->flats && areas->flats[index].ready)
+        return sagi_flat_sample(areas, index, from, u, surface, wi, pdf);
     const double cone =
         area->ball == SAG_INVALID_ID
             ? 0
@@ -190,13 +184,14 @@ bool sagi_area_sample(const sagi_areas *areas, uint32_t index, const sagi_shadin
     sagi_facet_view view;
     if (cone > 0) {
         if (!sample_ball(areas, index, cone, from, u, surface, wi, pdf)) return false;
-    } else if (group->kind == SAGI_AREA_FACET && see(group, index - group->first, from, &facet, &view)) {
+    } else if (group->kind == SAGI_AREA_FACET &&
+               (facet_of(group, index - group->first, &facet), sagi_facet_fills(&facet, from, &view))) {
         double t;
         sag_vec2 uv;
         *wi = sagi_facet_sample(&view, u, pdf);
         sagi_facet_meet(&facet, from->position, *wi, &uv.x, &uv.y, &t);
         if (!(t > 0) || !isfinite(t)) return false;
-        meet(areas, group, index - group->first, from->position, *wi, t, uv, surface);
+        sagi_area_meet(areas, group, index - group->first, from->position, *wi, t, uv, surface);
     } else if (group->kind == SAGI_AREA_PATCH) {
         if (!sample_patch(areas, index, from, u, surface, wi, pdf)) return false;
     } else if (!sample_by_area(areas, index, from, u, surface, wi, pdf)) {
@@ -218,11 +213,16 @@ double sagi_area_pdf(const sagi_areas *areas, uint32_t index, const sagi_shading
             sagi_ball_cone((const sagi_ball *)areas->balls.items + area->ball, from->position);
         if (cone > 0) return 1 / (2 * SAGI_RENDER_PI * cone);
     }
-    sagi_facet facet;
-    sagi_facet_view view;
-    if (group->kind == SAGI_AREA_FACET && see(group, index - group->first, from, &facet, &view)) {
-        pdf = sagi_facet_pdf(&view, wi);
-        return isfinite(pdf) ? pdf : 0;
+    if (group->kind == SAGI_AREA_FACET) {
+        const sagi_flat *flat = areas->flats ? &areas->flats[index] : NULL;
+        const bool ready = flat && flat->ready;
+        sagi_facet facet;
+        sagi_facet_view view;
+        if (!ready) facet_of(group, index - group->first, &facet);
+        if (sagi_facet_fills(ready ? &flat->facet : &facet, from, &view)) {
+            pdf = sagi_facet_pdf(&view, wi);
+            return isfinite(pdf) ? pdf : 0;
+        }
     }
     if (group->kind == SAGI_AREA_PATCH) {
         density = patch_density(group, (sag_vec2){hit->u, hit->v});

@@ -41,6 +41,14 @@ typedef struct sagi_area {
     double density; // 1/area; 0: cannot be sampled
 } sagi_area;
 
+// A flat light made ready in the world's space, where nothing of it changes from point to point.
+typedef struct sagi_flat {
+    sagi_facet facet;
+    sag_vec3 normal; // unit, to the front
+    sag_vec3 error;  // surface.position_error of a point worked out from the facet
+    bool ready;      // else it is as if it was not here
+} sagi_flat;
+
 typedef struct sagi_ball {
     sag_vec3 center;
     double radius;
@@ -52,6 +60,7 @@ typedef struct sagi_areas {
     sagi_list balls;  // sagi_ball
     sagi_area *areas;
     uint32_t count;
+    sagi_flat *flats;   // by area; NULL: none is ready
     uint32_t *group_of; // by appearance index, of the world's own scene: the group or SAG_INVALID_ID
     uint32_t appearance_count;
     uint32_t *slots; // groups within instances by what a hit says of them: open addressing, a power of two
@@ -72,8 +81,9 @@ void sagi_areas_clear(sagi_areas *areas);
 // What the tree of lights is told; intensity 0 when the light cannot be sampled.
 sagi_light_bounds sagi_area_bounds(const sagi_areas *areas, uint32_t index);
 
-// A point of the light, its normals turned to the front, and the density of the direction *wi to it. False
-// where there is none.
+// A point of the light, its normals turned to the front, and the density of the direction *wi to it. Of the
+// surface that is its position with the error, its geometric normal and its primitive; where the appearance
+// has textures, all. False where there is none, or none that shines this way.
 bool sagi_area_sample(const sagi_areas *areas, uint32_t index, const sagi_shading_point *from, sag_vec2 u,
                       sag_surface *surface, sag_vec3 *wi, double *pdf);
 // A point of the light, wherever it is wanted, and its density by area; its normals are as they are
@@ -92,6 +102,22 @@ double sagi_area_enlargement(const sagi_area_group *group, sag_vec3 normal);
 void sagi_area_map_outward(const sagi_areas *areas, const sagi_area_group *group, sag_surface *surface);
 double sagi_area_of_patch(const sagi_area_group *group); // (within about 1e-3)
 void sagi_area_facet(const sagi_areas *areas, uint32_t index, sagi_facet *facet);
+// The surface that a ray from → wi meets at t and (u, v), the way a traced ray would find it.
+void sagi_area_meet(const sagi_areas *areas, const sagi_area_group *group, uint32_t primitive, sag_vec3 from,
+                    sag_vec3 wi, double t, sag_vec2 uv, sag_surface *surface);
+
+// Makes the flat lights ready; area_flat.c. False when memory is short.
+bool sagi_flats_init(sagi_areas *areas, const sag_context *context);
+// Whether a facet is seen so small that it is better sampled by area.
+static inline bool sagi_facet_is_far(const sagi_facet *facet, sag_vec3 from) {
+    const sag_vec3 d = sag_sub(facet->middle, from);
+    return 16 * facet->size2 < sag_dot(d, d);
+}
+// Sees the facet; false where it is better sampled by area.
+bool sagi_facet_fills(const sagi_facet *facet, const sagi_shading_point *from, sagi_facet_view *view);
+// As sagi_area_sample, of a light that is ready.
+bool sagi_flat_sample(const sagi_areas *areas, uint32_t index, const sagi_shading_point *from, sag_vec2 u,
+                      sag_surface *surface, sag_vec3 *wi, double *pdf);
 
 static inline const sagi_area_group *sagi_area_group_of(const sagi_areas *areas, uint32_t index) {
     return (const sagi_area_group *)areas->groups.items + areas->areas[index].group;

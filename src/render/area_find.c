@@ -268,7 +268,7 @@ static sag_status fill_areas(finder *f) {
             sag_context_log(f->context, SAG_LOG_WARNING, "geometry %u shines but has no area: left out",
                             group->geometry);
     }
-    return make_slots(areas, f->context) ? SAG_OK : SAG_ERROR_MEMORY;
+    return make_slots(areas, f->context) && sagi_flats_init(areas, f->context) ? SAG_OK : SAG_ERROR_MEMORY;
 }
 
 sag_status sagi_areas_init(sagi_areas *areas, const sag_world *world, sag_error *error) {
@@ -307,6 +307,7 @@ void sagi_areas_clear(sagi_areas *areas) {
     const sag_context *context = areas->world->context;
     sagi_list_clear(context, &areas->groups, sizeof(sagi_area_group));
     sagi_list_clear(context, &areas->balls, sizeof(sagi_ball));
+    if (areas->flats) sag_release(context, areas->flats, areas->count * sizeof *areas->flats);
     if (areas->areas) sag_release(context, areas->areas, areas->count * sizeof *areas->areas);
     sag_release(context, areas->group_of, areas->appearance_count * sizeof *areas->group_of);
     sag_release(context, areas->slots, areas->slot_count * sizeof *areas->slots);

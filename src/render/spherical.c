@@ -17,68 +17,77 @@
 // 1) is C, and (0, 0) and (1, 0) are B.
 #include "spherical.h"
 
-#include "math/elementary.h"
 #include "math/map.h"
+#include "quick.h"
 #include "warp.h"
 
 #define LEAST_COSINE 0.01
 
-static double area(sag_vec3 a, sag_vec3 b, sag_vec3 c) {
-    const double volume = fabs(sag_dot(a, sag_cross(b, c)));
-    return 2 * sagi_atan2(volume, 1 + sag_dot(a, b) + sag_dot(b, c) + sag_dot(c, a));
+// Its sine is given: |A·(B×C)|.
+static double area(double sine, double ab, double bc, double ca) {
+    return 2 * sagi_quick_atan2(sine, 1 + ab + bc + ca);
 }
 
-static double receive(sag_vec3 normal, bool front_only, sag_vec3 d) {
-    const double cosine = sag_dot(normal, d);
-    return fmax(front_only ? cosine : fabs(cosine), LEAST_COSINE);
+static inline double receive(sag_vec3 normal, bool front_only, sag_vec3 d) {
+    double cosine = sag_dot(normal, d);
+    if (!front_only) cosine = fabs(cosine);
+    return cosine > LEAST_COSINE ? cosine : LEAST_COSINE;
 }
 
-static void make(sagi_spherical_triangle *t, sag_vec3 a, sag_vec3 b, sag_vec3 c) {
+// The triangle a, b, c of unit vectors; `receive_a` and so on: the cosines there. Returns what it receives.
+static inline double make(sagi_spherical_triangle *t, sag_vec3 a, sag_vec3 b, sag_vec3 c, double receive_a,
+                          double receive_b, double receive_c) {
     t->a = a, t->b = b, t->c = c;
     t->ab = sag_dot(a, b), t->bc = sag_dot(b, c), t->ca = sag_dot(c, a);
     t->determinant = fabs(sag_dot(a, sag_cross(b, c)));
-    t->solid_angle = 2 * sagi_atan2(t->determinant, 1 + t->ab + t->bc + t->ca);
-    if (!(t->determinant > 0)) t->solid_angle = 0; // also when it is not finite
+    t->solid_angle =
+        t->determinant > 0 ? area(t->determinant, t->ab, t->bc, t->ca) : 0; // also when not finite
+    t->weights[0] = t->weights[1] = receive_b;
+    t->weights[2] = receive_a;
+    t->weights[3] = receive_c;
+    return t->solid_angle * (2 * receive_b + receive_a + receive_c);
 }
 
 void sagi_facet_see(const sagi_facet *facet, sag_vec3 from, sag_vec3 normal, bool front_only,
                     sagi_facet_view *view) {
-    const sag_vec3 p = sag_sub(facet->a, from);
-    sag_vec3 corner[4] = {p, sag_add(p, facet->e), sag_add(p, facet->f)};
-    view->count = facet->parallelogram ? 2 : 1;
-    if (facet->parallelogram) corner[3] = sag_add(corner[1], facet->f);
-    for (int i = 0; i < view->count + 2; i++) corner[i] = sagi_normalize(corner[i]);
-    make(&view->parts[0], corner[1], corner[0], corner[2]);
-    if (view->count == 2) make(&view->parts[1], corner[1], corner[3], corner[2]);
+    const sag_vec3 p = sag_sub(facet->a, from), q = sag_add(p, facet->e), r = sag_add(p, facet->f);
+    const sag_vec3 b = sagi_normalize(p), a = sagi_normalize(q), c = sagi_normalize(r);
     const bool facing = normal.x != 0 || normal.y != 0 || normal.z != 0;
-    double share[2] = {0, 0};
-    view->solid_angle = 0;
-    for (int i = 0; i < view->count; i++) {
-        sagi_spherical_triangle *t = &view->parts[i];
-        double *w = t->weights;
-        w[0] = w[1] = facing ? receive(normal, front_only, t->b) : 1;
-        w[2] = facing ? receive(normal, front_only, t->a) : 1;
-        w[3] = facing ? receive(normal, front_only, t->c) : 1;
-        share[i] = t->solid_angle * (w[0] + w[1] + w[2] + w[3]);
-        view->solid_angle += t->solid_angle;
+    double at_a = 1, at_b = 1, at_c = 1, at_d = 1;
+    if (facing) {
+        at_a = receive(normal, front_only, a), at_b = receive(normal, front_only, b);
+        at_c = receive(normal, front_only, c);
     }
-    view->first = view->solid_angle > 0 ? share[0] / (share[0] + share[1]) : 1;
+    const double share = make(&view->parts[0], a, b, c, at_a, at_b, at_c);
+    view->solid_angle = view->parts[0].solid_angle;
+    view->count = 1;
+    view->first = 1;
+    if (!facet->parallelogram) return;
+    const sag_vec3 d = sagi_normalize(sag_add(q, facet->f));
+    if (facing) at_d = receive(normal, front_only, d);
+    const double other = make(&view->parts[1], a, d, c, at_a, at_d, at_c);
+    view->solid_angle += view->parts[1].solid_angle;
+    view->count = 2;
+    if (view->solid_angle > 0) view->first = share / (share + other);
 }
 
 // The point of the arc from a to the unit vector b at which a·p = z.
 static sag_vec3 on_arc(sag_vec3 a, sag_vec3 b, double z) {
     const sag_vec3 across = sag_madd(b, -sag_dot(a, b), a);
     const double squared = sag_dot(across, across);
+    const double rest = 1 - z * z;
     if (!(squared > 0)) return a;
-    return sag_madd(sag_scale(a, z), sqrt(fmax(0, 1 - z * z) / squared), across);
+    return sag_madd(sag_scale(a, z), sqrt(rest > 0 ? rest / squared : 0), across);
 }
 
 static sag_vec3 sample_triangle(const sagi_spherical_triangle *t, sag_vec2 u) {
     // T, G and B·T times |C − (A·C) A|
     const sag_vec3 across = sag_madd(t->c, -t->ca, t->a);
     const double length2 = sag_dot(across, across), length = sqrt(length2);
+    // s and c of an angle in [0, π), by that less π/2.
     double s, c;
-    sagi_sincos(u.x * t->solid_angle / 2, &s, &c);
+    sagi_quick_sincos(u.x * t->solid_angle / 2 - 0x1.921fb54442d18p+0, &c, &s);
+    c = -c;
     const double up = s * (1 + t->ab) * length, down = c * t->determinant - s * (t->bc - t->ca * t->ab);
     const double norm = up * up + down * down;
     sag_vec3 far = t->a;
@@ -91,21 +100,24 @@ static sag_vec3 sample_triangle(const sagi_spherical_triangle *t, sag_vec2 u) {
 
 // The numbers that sample_triangle makes this direction of.
 static sag_vec2 invert_triangle(const sagi_spherical_triangle *t, sag_vec3 wi) {
-    sag_vec3 far = sag_normalize(sag_cross(sag_cross(t->b, wi), sag_cross(t->c, t->a)));
+    sag_vec3 far = sagi_normalize(sag_cross(sag_cross(t->b, wi), sag_cross(t->c, t->a)));
     if (sag_dot(far, sag_add(t->a, t->c)) < 0) far = sag_neg(far);
-    const double x = area(t->a, t->b, far) / t->solid_angle;
-    const double y = (1 - sag_dot(t->b, wi)) / (1 - sag_dot(t->b, far));
+    const double b_far = sag_dot(t->b, far), sine = fabs(sag_dot(t->a, sag_cross(t->b, far)));
+    const double x = sine > 0 ? area(sine, t->ab, b_far, sag_dot(far, t->a)) / t->solid_angle : 0;
+    const double y = (1 - sag_dot(t->b, wi)) / (1 - b_far);
     return (sag_vec2){sagi_clamp(x, 0, 1), sagi_clamp(y, 0, 1)};
 }
+
+static inline double below_one(double x) { return x < SAGI_ONE_MINUS ? x : SAGI_ONE_MINUS; }
 
 sag_vec3 sagi_facet_sample(const sagi_facet_view *view, sag_vec2 u, double *pdf) {
     double share = view->first;
     const sagi_spherical_triangle *t = &view->parts[0];
     if (view->count == 2) {
         if (u.x < share) {
-            u.x = fmin(u.x / share, SAGI_ONE_MINUS);
+            u.x = below_one(u.x / share);
         } else {
-            u.x = fmin((u.x - share) / (1 - share), SAGI_ONE_MINUS);
+            u.x = below_one((u.x - share) / (1 - share));
             share = 1 - share;
             t = &view->parts[1];
         }

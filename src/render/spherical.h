@@ -9,8 +9,26 @@
 // A triangle a, a + e, a + f; or the parallelogram with the fourth corner a + e + f.
 typedef struct sagi_facet {
     sag_vec3 a, e, f;
+    sag_vec3 middle; // by sagi_facet_measure
+    double size2;    // the square of its longest chord; the same
     bool parallelogram;
 } sagi_facet;
+
+// Fills `middle` and `size2` in.
+static inline void sagi_facet_measure(sagi_facet *facet) {
+    const sag_vec3 sum = sag_add(facet->e, facet->f), difference = sag_sub(facet->e, facet->f);
+    double size2 = sag_dot(difference, difference);
+    if (facet->parallelogram) {
+        const double other = sag_dot(sum, sum);
+        if (other > size2) size2 = other;
+    } else {
+        const double e = sag_dot(facet->e, facet->e), f = sag_dot(facet->f, facet->f);
+        if (e > size2) size2 = e;
+        if (f > size2) size2 = f;
+    }
+    facet->size2 = size2;
+    facet->middle = sag_madd(facet->a, facet->parallelogram ? 0.5 : 1.0 / 3, sum);
+}
 
 // A triangle on the unit sphere; spherical.c.
 typedef struct sagi_spherical_triangle {

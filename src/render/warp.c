@@ -48,7 +48,8 @@ sag_vec3 sagi_warp_sphere(sag_vec2 u) {
 // Density a at 0 and b at 1, linear between: where the distribution function is u (a + b)/2.
 static double sample_linear(double u, double a, double b) {
     if (a == b) return u;
-    return fmin(u * (a + b) / (a + sqrt(a * a + u * (b * b - a * a))), SAGI_ONE_MINUS);
+    const double x = u * (a + b) / (a + sqrt(a * a + u * (b * b - a * a)));
+    return x < SAGI_ONE_MINUS ? x : SAGI_ONE_MINUS;
 }
 
 sag_vec2 sagi_warp_bilinear(const double w[4], sag_vec2 u) {
