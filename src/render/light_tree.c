@@ -32,14 +32,13 @@
 #define FLOOR     0.05f
 #define ONE_MINUS 0x1.fffffffffffffp-1
 
-static sagi_f4 fill(float x) { return (sagi_f4){x, x, x, x}; }
-static sagi_f4 select(sagi_w4 mask, sagi_f4 a, sagi_f4 b) {
+static inline sagi_f4 fill(float x) { return (sagi_f4){x, x, x, x}; }
+static inline sagi_f4 select(sagi_w4 mask, sagi_f4 a, sagi_f4 b) {
     return (sagi_f4)((mask & (sagi_w4)a) | (~mask & (sagi_w4)b));
 }
-static sagi_f4 positive(sagi_f4 a) { return (sagi_f4)((a > fill(0)) & (sagi_w4)a); }
-static sagi_f4 greater(sagi_f4 a, sagi_f4 b) { return select(a > b, a, b); }
-static sagi_f4 absolute(sagi_f4 a) { return (sagi_f4)((sagi_w4)a & INT32_MAX); }
-static sagi_f4 sine(sagi_f4 cosine) { return sagi_f4_sqrt(positive(fill(1) - cosine * cosine)); }
+static inline sagi_f4 positive(sagi_f4 a) { return sagi_f4_max(a, fill(0)); }
+static inline sagi_f4 absolute(sagi_f4 a) { return (sagi_f4)((sagi_w4)a & INT32_MAX); }
+static inline sagi_f4 sine(sagi_f4 cosine) { return sagi_f4_sqrt(positive(fill(1) - cosine * cosine)); }
 
 // The point in the tree's units, four times.
 typedef struct place {
@@ -47,10 +46,10 @@ typedef struct place {
     bool facing, front_only;
 } place;
 
-static place make_place(const sagi_light_tree *tree, const sagi_light_view *view) {
+static inline place make_place(const sagi_light_tree *tree, const sagi_light_view *view) {
     sag_vec3 p = sag_scale(sag_sub(view->position, tree->origin), tree->scale);
-    const double size = sag_max_component(sag_abs(p));
-    if (!(size < FAR_AWAY)) p = sag_scale(sag_normalize(p), FAR_AWAY);
+    if (!(fabs(p.x) < FAR_AWAY && fabs(p.y) < FAR_AWAY && fabs(p.z) < FAR_AWAY))
+        p = sag_scale(sag_normalize(p), FAR_AWAY);
     const sag_vec3 n = view->normal;
     return (place){
         .x = fill((float)p.x),
@@ -65,9 +64,9 @@ static place make_place(const sagi_light_tree *tree, const sagi_light_view *view
 }
 
 // The weights of a node's children.
-static sagi_f4 weigh(const sagi_light_node *node, const place *at) {
+static inline sagi_f4 weigh(const sagi_light_node *node, const place *at) {
     const sagi_f4 dx = at->x - node->x, dy = at->y - node->y, dz = at->z - node->z;
-    const sagi_f4 d2 = greater(dx * dx + dy * dy + dz * dz, fill(LEAST));
+    const sagi_f4 d2 = sagi_f4_max(dx * dx + dy * dy + dz * dz, fill(LEAST));
     const sagi_f4 inverse = fill(1) / sagi_f4_sqrt(d2);
     const sagi_f4 sin_b = node->radius * inverse, rest = fill(1) - sin_b * sin_b;
     const sagi_f4 cos_b = select(rest > fill(0), sagi_f4_sqrt(positive(rest)), fill(-1));
@@ -83,8 +82,8 @@ static sagi_f4 weigh(const sagi_light_node *node, const place *at) {
     const sagi_f4 cos_least = select(cos_x > cos_b, fill(1), cos_x * cos_b + sin_x * sin_bound);
 
     const sagi_f4 cos_out = (cos_least + cos_x) * fill(0.5F);
-    sagi_f4 weight = absolute(node->intensity) * greater(cos_out, fill(FLOOR)) /
-                     greater(d2, fill(0.25f) * node->radius * node->radius);
+    sagi_f4 weight = absolute(node->intensity) * sagi_f4_max(cos_out, fill(FLOOR)) /
+                     sagi_f4_max(d2, fill(0.25f) * node->radius * node->radius);
     weight = (sagi_f4)((cos_least > node->cos_spread) & (sagi_w4)weight);
     if (at->facing) {
         sagi_f4 cos_i = -(at->normal_x * dx + at->normal_y * dy + at->normal_z * dz) * inverse;
@@ -97,30 +96,36 @@ static sagi_f4 weigh(const sagi_light_node *node, const place *at) {
     return positive(weight);
 }
 
-static double sum4(sagi_f4 w) { return ((double)w[0] + w[1]) + ((double)w[2] + w[3]); }
+// What comes before each of the four weights, and all of them.
+typedef struct sums {
+    double before[4], all;
+} sums;
+
+static inline sums sum_up(sagi_f4 w) {
+    const double a = (double)w[0], b = a + (double)w[1], c = b + (double)w[2];
+    return (sums){{0, a, b, c}, c + (double)w[3]};
+}
 
 bool sagi_light_tree_sample(const sagi_light_tree *tree, const sagi_light_view *view, double *u,
                             uint32_t *light, double *probability) {
     if (tree->node_count == 0) return false;
     const place at = make_place(tree, view);
-    double p = 1;
+    double p = 1, random = *u;
     for (uint32_t index = 0;;) {
         const sagi_light_node *node = &tree->nodes[index];
         const sagi_f4 weights = weigh(node, &at);
-        const double sum = sum4(weights);
-        if (!(sum > 0)) return false;
-        double target = *u * sum;
-        int chosen = -1;
-        for (int i = 0; i < 4; i++) {
-            if (!(weights[i] > 0)) continue;
-            if (chosen >= 0) target -= weights[chosen];
-            chosen = i;
-            if (target < weights[i]) break;
-        }
-        *u = fmin(fmax(target / weights[chosen], 0), ONE_MINUS);
-        p *= weights[chosen] / sum;
+        const sums s = sum_up(weights);
+        if (!(s.all > 0)) return false;
+        const double target = random * s.all;
+        int chosen = (target >= s.before[1]) + (target >= s.before[2]) + (target >= s.before[3]);
+        while (!(weights[chosen] > 0)) chosen--; // (only where the product is rounded up to all)
+        const double weight = (double)weights[chosen];
+        random = (target - s.before[chosen]) / weight;
+        if (!(random < ONE_MINUS)) random = ONE_MINUS;
+        p *= weight / s.all;
         index = node->child[chosen];
         if (!(index & SAGI_LIGHT_LEAF)) continue;
+        *u = random;
         *light = index & ~SAGI_LIGHT_LEAF;
         *probability = p;
         return p > 0;
@@ -135,10 +140,9 @@ double sagi_light_tree_probability(const sagi_light_tree *tree, const sagi_light
     for (uint32_t index = 0; !(index & SAGI_LIGHT_LEAF); trail >>= 2) {
         const sagi_light_node *node = &tree->nodes[index];
         const sagi_f4 weights = weigh(node, &at);
-        const double sum = sum4(weights);
         const int chosen = (int)(trail & 3);
         if (!(weights[chosen] > 0)) return 0;
-        p *= weights[chosen] / sum;
+        p *= (double)weights[chosen] / sum_up(weights).all;
         index = node->child[chosen];
     }
     return p;
