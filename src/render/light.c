@@ -77,9 +77,9 @@ static bool sample_light(const sagi_light *light, const sagi_shading_point *from
     case SAG_LIGHT_INFINITE:
     case SAG_LIGHT_SKY: break;
     }
-    if (!sagi_sky_sample(light, from, u, &sample->wi)) return false;
-    sample->pdf *= sagi_sky_pdf(light, from, sample->wi);
-    sample->radiance = sagi_sky_radiance(light, from->position, sample->wi, lambda);
+    double pdf;
+    if (!sagi_sky_sample(light, from, u, lambda, &sample->wi, &pdf, &sample->radiance)) return false;
+    sample->pdf *= pdf;
     sample->target = SAGI_TARGET_FAR;
     return sample->pdf > 0;
 }
@@ -89,11 +89,11 @@ static bool sample_area(const sagi_lights *lights, uint32_t area, const sagi_sha
     double pdf;
     if (!sagi_area_sample(&lights->areas, area, from, u, &sample->surface, &sample->wi, &pdf)) return false;
     const sagi_appearance *appearance = sagi_area_appearance(&lights->areas, area);
-    if (appearance->look.emission_texture || appearance->look.alpha.texture)
-        sagi_replace_texcoords(appearance, &sample->surface);
-    sample->delta = sagi_alpha_is_nowhere(appearance);
-    const sag_ray last = {.origin = sample->surface.position, .direction = from->position};
-    if (!sample->delta && !sagi_alpha_is_there(appearance, &sample->surface, &last)) return false;
+    if (appearance->look.alpha.texture) {
+        sample->delta = sagi_alpha_is_nowhere(appearance);
+        const sag_ray last = {.origin = sample->surface.position, .direction = from->position};
+        if (!sample->delta && !sagi_alpha_is_there(appearance, &sample->surface, &last)) return false;
+    }
     sample->pdf *= pdf;
     sample->radiance = sagi_emission(appearance, &sample->surface, sag_neg(sample->wi), lambda);
     sample->target = SAGI_TARGET_SURFACE;
@@ -172,12 +172,11 @@ sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_poin
     for (uint32_t i = 0; i < lights->light_count; i++) {
         const sagi_light *light = &lights->lights[i];
         if (light->light.kind != SAG_LIGHT_INFINITE && light->light.kind != SAG_LIGHT_SKY) continue;
-        double weight = 1;
-        if (from) {
-            double choice = sagi_lights_choice(lights, from, i);
-            weight = sagi_surface_weight(lights, surface_pdf, choice * sagi_sky_pdf(light, from, wi));
-        }
-        sum += sagi_sky_radiance(light, origin, wi, lambda) * (float)weight;
+        double pdf, weight = 1;
+        const sagi_spectrum radiance = sagi_sky_look(light, from, origin, wi, lambda, &pdf);
+        if (from)
+            weight = sagi_surface_weight(lights, surface_pdf, sagi_lights_choice(lights, from, i) * pdf);
+        sum += radiance * (float)weight;
     }
     return sum;
 }

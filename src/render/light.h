@@ -8,6 +8,11 @@
 #include "distribution.h"
 #include "portal.h"
 
+// Light of a texel made ready: sagi_color, less what is the same for all of a picture.
+typedef struct sagi_glow {
+    float scale, c[3]; // c[2] infinite: as if s(λ) was 1
+} sagi_glow;
+
 // A light that is not a geometry.
 typedef struct sagi_light {
     sag_light light;
@@ -18,10 +23,12 @@ typedef struct sagi_light {
     bool chosen;               // it is at infinity, and not black
     sag_affine from_world;     // with a picture: directions to its space
     sagi_window_table table;   // infinite with a picture: by brightness
-    sagi_portal portal;        // infinite with a portal; its picture, then, in place of light.image
-    sag_vec2 screen;           // projection: half the picture's sizes at distance 1
-    double mean;               // of the picture of a goniometric light or a projection
-    double solid_angle;        // that the mean is over
+    sagi_glow *texels;        // its light; NULL: made when it is wanted
+    size_t texel_count;
+    sagi_portal portal; // infinite with a portal; its picture, then, in place of light.image
+    sag_vec2 screen;    // projection: half the picture's sizes at distance 1
+    double mean;        // of the picture of a goniometric light or a projection
+    double solid_angle; // that the mean is over
 } sagi_light;
 
 // Whether it is at infinity.
@@ -96,12 +103,17 @@ sagi_spectrum sagi_emission(const sagi_appearance *appearance, const sag_surface
 double sagi_surface_weight(const sagi_lights *lights, double surface_pdf, double light_pdf);
 double sagi_light_weight(const sagi_lights *lights, double surface_pdf, const sagi_light_sample *sample);
 
-// Radiance of an infinite or sky light at `from`, and its density; sky.c.
+// Radiance of an infinite or sky light at `from`, and its density; both at once, the density only where
+// `from` is given; and a direction drawn, with both. sky.c.
 sagi_spectrum sagi_sky_radiance(const sagi_light *light, sag_vec3 from, sag_vec3 wi, sagi_spectrum lambda);
 double sagi_sky_pdf(const sagi_light *light, const sagi_shading_point *from, sag_vec3 wi);
-bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sag_vec2 u, sag_vec3 *wi);
+sagi_spectrum sagi_sky_look(const sagi_light *light, const sagi_shading_point *from, sag_vec3 origin,
+                            sag_vec3 wi, sagi_spectrum lambda, double *pdf);
+bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sag_vec2 u,
+                     sagi_spectrum lambda, sag_vec3 *wi, double *pdf, sagi_spectrum *radiance);
 // `compensated`: what surfaces' sampling finds well enough is left to it.
 sag_status sagi_sky_init(sagi_light *light, const sag_context *context, bool compensated, sag_error *error);
+void sagi_sky_clear(sagi_light *light, const sag_context *context);
 
 // Lights that shine from a point through a picture; beam.c.
 sag_status sagi_beam_init(sagi_light *light, sag_error *error);

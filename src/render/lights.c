@@ -205,10 +205,7 @@ sag_status sagi_lights_init(sagi_lights *lights, const sag_world *world, sag_err
 void sagi_lights_clear(sagi_lights *lights) {
     if (!lights->world) return;
     const sag_context *context = lights->world->context;
-    for (uint32_t i = 0; i < lights->light_count; i++) {
-        sagi_window_table_clear(&lights->lights[i].table, context);
-        sagi_portal_clear(&lights->lights[i].portal, context);
-    }
+    for (uint32_t i = 0; i < lights->light_count; i++) sagi_sky_clear(&lights->lights[i], context);
     sag_release(context, lights->far, lights->light_count * sizeof *lights->far);
     sag_release(context, lights->lights, lights->light_count * sizeof *lights->lights);
     sagi_areas_clear(&lights->areas);

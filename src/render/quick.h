@@ -7,30 +7,21 @@
 
 #include <math.h>
 
-// |x| ≤ π/2; errors below 3·2⁻⁵³. Taylor's series, cut off where a term is below 2⁻⁵⁴.
+// |x| ≤ π/2; errors below 3·2⁻⁵³. Taylor's series, cut off where a term is below 2⁻⁵⁴, both at once.
 static inline void sagi_quick_sincos(double x, double *sine, double *cosine) {
+    typedef double pair __attribute__((vector_size(16)));
     const double z = x * x;
-    double s = -1.0 / 121645100408832000;
-    s = s * z + 1.0 / 355687428096000;
-    s = s * z - 1.0 / 1307674368000;
-    s = s * z + 1.0 / 6227020800;
-    s = s * z - 1.0 / 39916800;
-    s = s * z + 1.0 / 362880;
-    s = s * z - 1.0 / 5040;
-    s = s * z + 1.0 / 120;
-    s = s * z - 1.0 / 6;
-    double c = 1.0 / 2432902008176640000;
-    c = c * z - 1.0 / 6402373705728000;
-    c = c * z + 1.0 / 20922789888000;
-    c = c * z - 1.0 / 87178291200;
-    c = c * z + 1.0 / 479001600;
-    c = c * z - 1.0 / 3628800;
-    c = c * z + 1.0 / 40320;
-    c = c * z - 1.0 / 720;
-    c = c * z + 1.0 / 24;
-    c = c * z - 0.5;
-    *sine = x + x * z * s;
-    *cosine = 1 + z * c;
+    pair p = {-1.0 / 121645100408832000, 1.0 / 2432902008176640000};
+    p = p * z + (pair){1.0 / 355687428096000, -1.0 / 6402373705728000};
+    p = p * z + (pair){-1.0 / 1307674368000, 1.0 / 20922789888000};
+    p = p * z + (pair){1.0 / 6227020800, -1.0 / 87178291200};
+    p = p * z + (pair){-1.0 / 39916800, 1.0 / 479001600};
+    p = p * z + (pair){1.0 / 362880, -1.0 / 3628800};
+    p = p * z + (pair){-1.0 / 5040, 1.0 / 40320};
+    p = p * z + (pair){1.0 / 120, -1.0 / 720};
+    p = p * z + (pair){-1.0 / 6, 1.0 / 24};
+    *sine = x + x * z * p[0];
+    *cosine = 1 + z * (z * p[1] - 0.5);
 }
 
 // The angle of (x, y), y ≥ 0, in [0, π]; x and y finite, not both 0, their products neither over- nor
@@ -48,7 +39,8 @@ static inline double sagi_quick_atan2(double y, double x) {
                                      0x1.921fb54442d18p-1};
     const double size = fabs(x);
     const double low = y < size ? y : size, high = y < size ? size : y;
-    const int i = (int)(8 * (low / high) + 0.5);
+    const double ratio = low / high;
+    const int i = ratio > 0 ? (int)(8 * ratio + 0.5) : 0; // (also for what is no number)
     const double c = i * 0.125, t = (low - c * high) / (high + c * low), z = t * t;
     double s = 1.0 / 13;
     s = s * z - 1.0 / 11;

@@ -3,6 +3,7 @@
 // points.
 #include "warp.h"
 #include "math/elementary.h"
+#include "quick.h"
 
 typedef double pair __attribute__((vector_size(16)));
 typedef int64_t pair_mask __attribute__((vector_size(16)));
@@ -77,16 +78,16 @@ sag_vec3 sagi_equal_area_to_sphere(sag_vec2 p) {
     double r = 1 - fabs(from_fold);
     double phi = (r == 0 ? 1 : (fabs(b) - fabs(a)) / r + 1) * SAGI_RENDER_PI / 4;
     double z = copysign(1 - r * r, from_fold);
-    double s = r * sqrt(fmax(0, 2 - r * r));
+    double s = r * sqrt(2 - r * r);
     double sine, cosine;
-    sagi_sincos(phi, &sine, &cosine);
+    sagi_quick_sincos(phi, &sine, &cosine);
     return sag_vec3_make(copysign(cosine, a) * s, copysign(sine, b) * s, z);
 }
 
 sag_vec2 sagi_equal_area_from_sphere(sag_vec3 d) {
     double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
-    double r = sqrt(fmax(0, 1 - z));
-    double phi = x == 0 && y == 0 ? 0 : sagi_atan2(y, x) * (2 / SAGI_RENDER_PI); // in [0, 1]
+    double r = sqrt(z < 1 ? 1 - z : 0);
+    double phi = x == 0 && y == 0 ? 0 : sagi_quick_atan2(y, x) * (2 / SAGI_RENDER_PI); // in [0, 1]
     double b = phi * r, a = r - b;
     if (d.z < 0) {
         double swap = a;

@@ -121,7 +121,14 @@ static inline double find_between(const double *low, const double *high, uint32_
     return first + (share > 0 ? fmin(share, 1) : 0);
 }
 
-bool sagi_window_sample_whole(const sagi_window_table *t, sag_vec2 u, sag_vec2 *p) {
+// What is in the cell between these places of two rows.
+static inline double cell_at(const double *above, const double *below) {
+    const double here = (below[1] - below[0]) - (above[1] - above[0]);
+    return here > 0 ? here : 0;
+}
+
+bool sagi_window_sample_whole(const sagi_window_table *t, sag_vec2 u, sag_vec2 *p, double *pdf,
+                              size_t *cell) {
     if (!(t->rows[t->height] > 0)) return false;
     uint32_t row, column;
     const double y = find_between(t->rows, NULL, t->height, u.y, &row);
@@ -129,7 +136,15 @@ bool sagi_window_sample_whole(const sagi_window_table *t, sag_vec2 u, sag_vec2 *
     if (!(below[t->width] - above[t->width] > 0)) return false;
     const double x = find_between(below, above, t->width, u.x, &column);
     *p = (sag_vec2){x / t->width, y / t->height};
+    *pdf = cell_at(above + column, below + column) * t->width * t->height / t->rows[t->height];
+    *cell = (size_t)row * t->width + column;
     return true;
+}
+
+double sagi_window_pdf_whole(const sagi_window_table *t, size_t cell) {
+    if (!(t->rows[t->height] > 0)) return 0;
+    const double *above = t->sums + cell + cell / t->width; // rows are longer by one
+    return cell_at(above, above + t->width + 1) * t->width * t->height / t->rows[t->height];
 }
 
 double sagi_window_pdf(const sagi_window_table *t, const sagi_window *w, sag_vec2 p) {
@@ -138,6 +153,5 @@ double sagi_window_pdf(const sagi_window_table *t, const sagi_window *w, sag_vec
     const double x = fmin(floor(p.x * t->width), t->width - 1.0),
                  y = fmin(floor(p.y * t->height), t->height - 1.0);
     const double *above = t->sums + (size_t)y * (t->width + 1) + (size_t)x, *below = above + t->width + 1;
-    const double here = fmax(0, (below[1] - below[0]) - (above[1] - above[0])) * t->width * t->height;
-    return all > 0 ? here / all : 0;
+    return all > 0 ? cell_at(above, below) * t->width * t->height / all : 0;
 }

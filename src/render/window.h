@@ -24,9 +24,13 @@ void sagi_window_table_clear(sagi_window_table *table, const sag_context *contex
 double sagi_window_integral(const sagi_window_table *table, const sagi_window *window);
 // A point of the window. False where there is nothing in it.
 bool sagi_window_sample(const sagi_window_table *table, const sagi_window *window, sag_vec2 u, sag_vec2 *p);
-// A point of the whole square, in fewer steps. False where there is nothing.
-bool sagi_window_sample_whole(const sagi_window_table *table, sag_vec2 u, sag_vec2 *p);
+// A point of the whole square, in fewer steps, its density and its cell (row by row). False where there is
+// nothing.
+bool sagi_window_sample_whole(const sagi_window_table *table, sag_vec2 u, sag_vec2 *p, double *pdf,
+                              size_t *cell);
 // The density of a point of the window.
 double sagi_window_pdf(const sagi_window_table *table, const sagi_window *window, sag_vec2 p);
+// That of every point of a cell as sagi_window_sample_whole draws them: the same bits.
+double sagi_window_pdf_whole(const sagi_window_table *table, size_t cell);
 
 #endif

@@ -40,8 +40,16 @@ static void samples_follow_the_window(void **state) {
         memset(counts, 0, sizeof counts);
         for (int i = 0; i < SAMPLES; i++) {
             sag_vec2 p;
-            assert_true(k < 0 ? sagi_window_sample_whole(&table, rng_vec2(&r), &p)
-                              : sagi_window_sample(&table, &window, rng_vec2(&r), &p));
+            if (k < 0) {
+                double pdf;
+                size_t cell;
+                assert_true(sagi_window_sample_whole(&table, rng_vec2(&r), &p, &pdf, &cell));
+                assert_true(cell == (size_t)(p.y * HEIGHT) * WIDTH + (size_t)(p.x * WIDTH));
+                assert_true(pdf == sagi_window_pdf_whole(&table, cell));
+                assert_true(fabs(pdf / sagi_window_pdf(&table, &window, p) - 1) < 1e-12);
+            } else {
+                assert_true(sagi_window_sample(&table, &window, rng_vec2(&r), &p));
+            }
             assert_true(p.x >= window.low.x && p.x <= window.high.x);
             assert_true(p.y >= window.low.y && p.y <= window.high.y);
             assert_true(sagi_window_pdf(&table, &window, p) > 0);
