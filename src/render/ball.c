@@ -9,7 +9,7 @@
 //     cos α = sin²θ/sin θ_max + cos θ √(1 − sin²θ/sin²θ_max).
 #include "area.h"
 
-#include "math/elementary.h"
+#include "quick.h"
 
 bool sagi_ball_find(sag_shape_kind kind, const void *shape, const sag_affine *place, uint32_t primitive,
                     sagi_ball *ball) {
@@ -58,7 +58,7 @@ void sagi_ball_sample(const sagi_ball *ball, sag_vec3 from, double cone, sag_vec
     double rest = sqrt(fmax(0, 1 - sin2 / sin2_max));
     double cos_a = sagi_clamp(sin2 / sqrt(sin2_max) + (1 - rise) * rest, -1, 1);
     double sin_a = sqrt(1 - cos_a * cos_a), sin_phi, cos_phi;
-    sagi_sincos(2 * SAGI_RENDER_PI * u.y, &sin_phi, &cos_phi);
+    sagi_quick_turn(u.y, &sin_phi, &cos_phi);
     axis = sag_normalize(axis);
     sag_frame(axis, &s, &t);
     sag_vec3 n = sag_add(sag_scale(axis, cos_a),

@@ -8,7 +8,8 @@
 // that is uniformly sampled (Dupuy & Benyoub 2023).
 #include "microfacet.h"
 
-#include "math/elementary.h"
+#include "math/map.h"
+#include "quick.h"
 
 double sagi_microfacet_d(sagi_microfacet facets, sag_vec3 m) {
     // D with cos⁴ multiplied in: no division by a cosine that may be 0.
@@ -31,14 +32,13 @@ double sagi_microfacet_g(sagi_microfacet facets, sag_vec3 wo, sag_vec3 wi) {
 
 sag_vec3 sagi_microfacet_sample(sagi_microfacet facets, sag_vec3 w, sag_vec2 u) {
     if (w.z < 0) w = sag_neg(w);
-    sag_vec3 stretched = sag_normalize(sag_vec3_make(facets.ax * w.x, facets.ay * w.y, w.z));
-    double phi = 2 * SAGI_RENDER_PI * u.x;
+    sag_vec3 stretched = sagi_normalize(sag_vec3_make(facets.ax * w.x, facets.ay * w.y, w.z));
     double z = (1 - u.y) * (1 + stretched.z) - stretched.z;
     double s = sqrt(sagi_clamp(1 - z * z, 0, 1));
     double sine, cosine;
-    sagi_sincos(phi, &sine, &cosine);
+    sagi_quick_turn(u.x, &sine, &cosine);
     sag_vec3 half = sag_add(sag_vec3_make(s * cosine, s * sine, z), stretched);
-    return sag_normalize(sag_vec3_make(facets.ax * half.x, facets.ay * half.y, fmax(half.z, 0)));
+    return sagi_normalize(sag_vec3_make(facets.ax * half.x, facets.ay * half.y, half.z > 0 ? half.z : 0));
 }
 
 double sagi_microfacet_pdf(sagi_microfacet facets, sag_vec3 w, sag_vec3 m) {

@@ -24,6 +24,14 @@ static inline void sagi_quick_sincos(double x, double *sine, double *cosine) {
     *cosine = 1 + z * (z * p[1] - 0.5);
 }
 
+// Of the angle 2π u, u in [0, 1]: of twice π u − π/2, and turned by half a circle.
+static inline void sagi_quick_turn(double u, double *sine, double *cosine) {
+    double s, c;
+    sagi_quick_sincos((u - 0.5) * 0x1.921fb54442d18p+1, &s, &c);
+    *sine = -2 * s * c;
+    *cosine = (s - c) * (s + c);
+}
+
 // The angle of (x, y), y ≥ 0, in [0, π]; x and y finite, not both 0, their products neither over- nor
 // underflowing. Relative error below 2⁻⁵⁰. With t = low/high in [0, 1] and c the nearest of i/8,
 // atan t = atan c + atan((t − c)/(1 + t c)), the latter of at most 1/16.

@@ -40,9 +40,9 @@ sag_vec3 sagi_warp_cosine(sag_vec2 u) {
 }
 
 sag_vec3 sagi_warp_sphere(sag_vec2 u) {
-    double z = 1 - 2 * u.x, r = sqrt(fmax(0, 1 - z * z)), phi = 2 * SAGI_RENDER_PI * u.y;
+    double z = 1 - 2 * u.x, r = sqrt(fmax(0, 1 - z * z));
     double sine, cosine;
-    sagi_sincos(phi, &sine, &cosine);
+    sagi_quick_turn(u.y, &sine, &cosine);
     return sag_vec3_make(r * cosine, r * sine, z);
 }
 

@@ -25,6 +25,18 @@ static void sine_and_cosine_are_near(void **state) {
     }
 }
 
+static void turns_are_near(void **state) {
+    (void)state;
+    rng r = rng_make(3);
+    for (int i = 0; i < 200000; i++) {
+        const double u = i == 0 ? 1 : i == 1 ? 0 : rng_unit(&r);
+        double s, c, sine, cosine;
+        sagi_quick_turn(u, &s, &c);
+        sagi_sincos(4 * HALF_PI * u, &sine, &cosine);
+        assert_true(fabs(s - sine) <= 0x1p-50 && fabs(c - cosine) <= 0x1p-50);
+    }
+}
+
 static void angles_are_near(void **state) {
     (void)state;
     rng r = rng_make(2);
@@ -41,6 +53,7 @@ static void angles_are_near(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sine_and_cosine_are_near),
+        cmocka_unit_test(turns_are_near),
         cmocka_unit_test(angles_are_near),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
