@@ -88,11 +88,12 @@ static bool leave_light(const sagi_lights *lights, const sagi_light *light, sagi
     if (light->light.has_portal) return leave_window(lights, light, lambda, u, v, leaving);
     const sagi_shading_point nowhere = {.position = lights->center};
     sag_vec3 wi;
-    if (!sagi_sky_sample(light, &nowhere, v, &wi)) return false;
-    const double density = sagi_sky_pdf(light, &nowhere, wi);
+    double density;
+    sagi_spectrum radiance;
+    if (!sagi_sky_sample(light, &nowhere, v, lambda, &wi, &density, &radiance)) return false;
     const double disk = through_scene(lights, sag_neg(wi), u, &leaving->ray);
-    leaving->power = sagi_sky_radiance(light, nowhere.position, wi, lambda) * (float)(disk / density);
-    return density > 0;
+    leaving->power = radiance * (float)(disk / density);
+    return true;
 }
 
 static bool leave_area(const sagi_lights *lights, uint32_t area, sagi_spectrum lambda, sag_vec2 u, sag_vec2 v,
