@@ -146,6 +146,10 @@ typedef struct sagi_pbrt {
     size_t system_count, system_allocated;
     sagi_medium_name *media;
     size_t medium_count, medium_allocated;
+    struct sagi_promise *promises; // pbrt_promise.c
+    struct sagi_promised_instance *promised_instances;
+    size_t promise_count, promise_allocated, promised_instance_count, promised_instance_allocated;
+    bool naming;                 // the material that is being read gets a name
     int32_t seed;                // Option's
     const float (*corner_uv)[2]; // of the patch that is being added; NULL: none
     sag_scene *scene;            // shapes go there: the world's, an object's or a solid's

@@ -8,6 +8,7 @@
 #include "formats/pbrt_later.h"
 #include "formats/pbrt_medium.h"
 #include "formats/pbrt_options.h"
+#include "formats/pbrt_promise.h"
 #include "formats/pbrt_solid.h"
 
 #include <stdarg.h>
@@ -355,8 +356,9 @@ static sag_status read_all(sagi_pbrt *p) {
         if (--p->file_count == 0 && !p->in_world)
             return sagi_place_error(token.place, p->error, "the scene ends without WorldBegin");
     }
-    const sag_status status = sagi_pbrt_check_closed(p);
-    return status == SAG_OK ? sagi_pbrt_check_media(p) : status;
+    sag_status status = sagi_pbrt_check_closed(p);
+    if (status == SAG_OK) status = sagi_pbrt_check_media(p);
+    return status == SAG_OK ? sagi_pbrt_check_promises(p) : status;
 }
 
 // The same with the meshes that have waited. One that is wrong comes before what went wrong after it.
@@ -389,6 +391,7 @@ static void clear(sagi_pbrt *p) {
     sag_release(p->context, p->object_parts, p->object_part_allocated * sizeof *p->object_parts);
     sag_release(p->context, p->media, p->medium_allocated * sizeof *p->media);
     sag_release(p->context, p->systems, p->system_allocated * sizeof *p->systems);
+    sagi_pbrt_promises_clear(p);
     sagi_pbrt_solid_clear(p);
     sagi_pbrt_later_clear(p);
 }

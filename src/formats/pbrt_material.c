@@ -3,6 +3,7 @@
 // that names it. Roughness becomes Trowbridge–Reitz α as pbrt-v4 does it: α = √roughness, unless
 // remaproughness is false.
 #include "formats/pbrt_medium.h"
+#include "formats/pbrt_promise.h"
 
 #include "render/world.h"
 
@@ -127,12 +128,16 @@ static void read_mix(sagi_pbrt *p, sag_material *m) {
         sagi_params_fail(params, materials, "\"string materials\" with two names expected");
         return;
     }
-    for (uint32_t i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < 2 && params->status == SAG_OK; i++) {
         const sagi_slice name = params->strings[materials->first_string + i];
         const int length = (int)(name.length < 100 ? name.length : 100);
-        if (!sagi_names_get(&p->materials, name, &m->materials[i]))
-            sagi_params_fail(params, materials, "there is no material \"%.*s\"", length, name.text);
-        else if (is_interface(p, m->materials[i]))
+        const bool made = sagi_pbrt_is_made(&p->materials, name);
+        if (!made && p->naming)
+            // As in pbrt: else it might be mixed of itself.
+            sagi_params_fail(params, materials, "there is no material \"%.*s\" yet", length, name.text);
+        else if (!sagi_pbrt_find(p, &p->materials, name, &m->materials[i]))
+            params->status = sagi_pbrt_promise(p, materials->place, &p->materials, name, &m->materials[i]);
+        else if (made && is_interface(p, m->materials[i]))
             sagi_params_fail(params, materials, "an interface (\"%.*s\") cannot be mixed", length, name.text);
     }
 }
@@ -224,15 +229,31 @@ static void check_material(sagi_pbrt *p, sagi_place place, const sag_material *m
                        c.b);
 }
 
-static sag_status read_material(sagi_pbrt *p, sagi_place place, const char *kind, uint32_t *id) {
+// A material that is mixed of such as are to come.
+static bool waits(sagi_pbrt *p, const sag_material *material) {
+    if (material->kind != SAG_MATERIAL_MIX || p->naming) return false;
+    const sagi_param *names = sagi_params_find(&p->params, "materials", SAGI_TYPE_STRING);
+    bool waits = false;
+    for (uint32_t i = 0; i < 2; i++)
+        waits |= !sagi_pbrt_is_made(&p->materials, p->params.strings[names->first_string + i]);
+    return waits;
+}
+
+// `promised` ≠ 0: the id that it already has.
+static sag_status read_material(sagi_pbrt *p, sagi_place place, const char *kind, uint32_t promised,
+                                uint32_t *id) {
     sag_material material = {.kind = SAG_MATERIAL_DIFFUSE};
     if (!read_kind(p, place, kind, &material))
         return sagi_place_error(place, p->error, "unknown material \"%.60s\"", kind);
     if (p->params.status == SAG_OK) check_material(p, place, &material);
     const sag_status status = sagi_pbrt_parameters_done(p);
     if (status != SAG_OK) return status;
+    *id = promised;
+    if (promised)
+        return sagi_material_set(p->world, promised, &material) ? SAG_OK : sagi_pbrt_out_of_memory(p);
     *id = sag_world_add_material(p->world, &material);
-    return *id ? SAG_OK : sagi_pbrt_out_of_memory(p);
+    if (!*id) return sagi_pbrt_out_of_memory(p);
+    return waits(p, &material) ? sagi_pbrt_promise_mix(p, place, *id) : SAG_OK;
 }
 
 sag_status sagi_pbrt_material(sagi_pbrt *p, sagi_place place) {
@@ -241,7 +262,7 @@ sag_status sagi_pbrt_material(sagi_pbrt *p, sagi_place place) {
     if (status == SAG_OK)
         status = sagi_pbrt_parameters(p, place, SAGI_TARGET_MATERIAL, "Material \"%.60s\"", kind);
     if (status != SAG_OK || p->options->geometry_only) return status;
-    return read_material(p, place, kind, &p->state.material);
+    return read_material(p, place, kind, 0, &p->state.material);
 }
 
 sag_status sagi_pbrt_make_named_material(sagi_pbrt *p, sagi_place place) {
@@ -255,8 +276,12 @@ sag_status sagi_pbrt_make_named_material(sagi_pbrt *p, sagi_place place) {
     sagi_params_string(&p->params, "type", "", kind, sizeof kind);
     if (p->params.status != SAG_OK) return p->params.status;
     uint32_t id = 0;
-    status = read_material(p, place, kind, &id);
+    const uint32_t promised = sagi_pbrt_promised(p, &p->materials, name);
+    p->naming = true;
+    status = read_material(p, place, kind, promised, &id);
+    p->naming = false;
     if (status != SAG_OK) return status;
+    if (promised) return sagi_pbrt_keep(p, &p->materials, name), SAG_OK;
     return sagi_pbrt_define(p, place, &p->materials, name, id, "material");
 }
 
@@ -264,7 +289,7 @@ sag_status sagi_pbrt_named_material(sagi_pbrt *p, sagi_place place) {
     char name[MAX_NAME];
     const sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
     if (status != SAG_OK || p->options->geometry_only) return status;
-    if (!sagi_names_get(&p->materials, (sagi_slice){name, strlen(name)}, &p->state.material))
-        return sagi_place_error(place, p->error, "there is no material \"%.100s\"", name);
-    return SAG_OK;
+    const sagi_slice key = {name, strlen(name)};
+    if (sagi_pbrt_find(p, &p->materials, key, &p->state.material)) return SAG_OK;
+    return sagi_pbrt_promise(p, place, &p->materials, key, &p->state.material);
 }

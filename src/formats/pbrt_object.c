@@ -12,6 +12,7 @@
 // objects of objects do not fill the memory.
 #include "formats/pbrt_blocks.h"
 #include "formats/pbrt_later.h"
+#include "formats/pbrt_promise.h"
 #include "formats/pbrt_solid.h"
 
 #include <string.h>
@@ -186,10 +187,11 @@ static sag_status make_solid(sagi_pbrt *p, sagi_place place, sagi_object *object
 }
 
 // The solid that is all there is in an object: index + 1, and where it stands; 0: there is more, or none.
-static uint32_t only_solid(const sagi_pbrt *p, const sagi_object *object, sag_affine *placed) {
+static uint32_t only_solid(const sagi_pbrt *p, const sagi_object *object, const sag_affine *map,
+                           sag_affine *placed) {
     if (object->part_count != 1) return 0;
     const sagi_part *only = &p->object_parts[object->part_first];
-    if (!only->solid || placed_by(object->scene, only->geometry, &p->state.ctm, placed) != SAG_OK) return 0;
+    if (!only->solid || placed_by(object->scene, only->geometry, map, placed) != SAG_OK) return 0;
     return only->solid;
 }
 
@@ -197,7 +199,7 @@ static uint32_t only_solid(const sagi_pbrt *p, const sagi_object *object, sag_af
 static sag_status operand(sagi_pbrt *p, sagi_place place, sagi_object *object, const char *name) {
     const sag_affine *const map = &p->state.ctm;
     sag_affine placed;
-    const uint32_t only = only_solid(p, object, &placed);
+    const uint32_t only = only_solid(p, object, map, &placed);
     sagi_pbrt_solid_operand(p);
     if (only) return add_solid(p, place, only - 1, &placed);
     if (fits(p, object->weight)) return add_object(p, place, object, name, map);
@@ -205,29 +207,35 @@ static sag_status operand(sagi_pbrt *p, sagi_place place, sagi_object *object, c
     return status == SAG_OK ? sagi_pbrt_solid_instance(p, place, object->solid - 1, map) : status;
 }
 
-sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
-    char name[1024];
-    sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
-    if (status != SAG_OK) return status;
+sag_status sagi_pbrt_place_object(sagi_pbrt *p, sagi_place place, const char *name, const sag_affine *map) {
     uint32_t index;
-    if (p->in_object && !p->solid.scene)
-        return sagi_place_error(place, p->error, "ObjectInstance within an object");
     if (!sagi_names_get(&p->object_names, (sagi_slice){name, strlen(name)}, &index))
         return sagi_place_error(place, p->error, "there is no object \"%.100s\"", name);
     sagi_object *object = &p->objects[index];
     if (!object->committed)
         return sagi_place_error(place, p->error, "the object \"%.100s\" is not finished here", name);
+    if (p->solid.scene) {
+        // Its meshes become parts: they have to be there.
+        const sag_status status = sagi_pbrt_catch_up(p);
+        return status == SAG_OK ? operand(p, place, object, name) : status;
+    }
+    sag_affine placed = *map;
+    const uint32_t only = only_solid(p, object, map, &placed);
+    sag_scene *scene = only ? p->solids[only - 1].scene : object->scene;
+    return sag_add_instance(p->scene, scene, &placed) != SAG_INVALID_ID ? SAG_OK : sagi_pbrt_out_of_memory(p);
+}
+
+sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
+    char name[1024];
+    const sag_status status = sagi_pbrt_string(p, place, name, sizeof name);
+    if (status != SAG_OK) return status;
+    if (p->in_object && !p->solid.scene)
+        return sagi_place_error(place, p->error, "ObjectInstance within an object");
     sag_affine inverse;
     if (!sag_affine_inverse(&p->state.ctm, &inverse))
         return sagi_place_error(place, p->error,
                                 "the object \"%.100s\" cannot be placed: the transform is singular", name);
-    if (p->solid.scene) {
-        // Its meshes become parts: they have to be there.
-        if ((status = sagi_pbrt_catch_up(p)) != SAG_OK) return status;
-        return operand(p, place, object, name);
-    }
-    sag_affine placed = p->state.ctm;
-    const uint32_t only = only_solid(p, object, &placed);
-    sag_scene *scene = only ? p->solids[only - 1].scene : object->scene;
-    return sag_add_instance(p->scene, scene, &placed) != SAG_INVALID_ID ? SAG_OK : sagi_pbrt_out_of_memory(p);
+    if (!p->solid.scene && !sagi_names_get(&p->object_names, (sagi_slice){name, strlen(name)}, NULL))
+        return sagi_pbrt_promise_instance(p, place, name);
+    return sagi_pbrt_place_object(p, place, name, &p->state.ctm);
 }

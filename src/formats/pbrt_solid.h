@@ -32,5 +32,7 @@ size_t sagi_pbrt_weight(sag_shape_kind kind, const void *shape);
 sag_status sagi_pbrt_object_begin(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_object_end(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place);
+// Places an object, which must be there.
+sag_status sagi_pbrt_place_object(sagi_pbrt *p, sagi_place place, const char *name, const sag_affine *map);
 
 #endif

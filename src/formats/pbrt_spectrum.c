@@ -7,7 +7,7 @@
 // light's spectrum, other than an rgb's, is brought to luminance 1, so that the light's scale and power say
 // how much there is.
 #include "formats/number.h"
-#include "formats/pbrt.h"
+#include "formats/pbrt_promise.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -173,8 +173,8 @@ sag_spectrum_id sagi_pbrt_named_spectrum(sagi_pbrt *p, const char *name) {
     return id;
 }
 
-// The texture a parameter names, in the map of its class or, with a word about it, the other.
-static sag_texture_id texture_of(sagi_pbrt *p, const sagi_param *param, const sagi_names *first,
+// The texture a parameter names, in the map of its class or the other; one that is to come, in the former.
+static sag_texture_id texture_of(sagi_pbrt *p, const sagi_param *param, sagi_names *first,
                                  const sagi_names *second) {
     sagi_params *params = &p->params;
     uint32_t id = 0;
@@ -183,9 +183,10 @@ static sag_texture_id texture_of(sagi_pbrt *p, const sagi_param *param, const sa
         return 0;
     }
     const sagi_slice name = params->strings[param->first_string];
-    if (!sagi_names_get(first, name, &id) && !sagi_names_get(second, name, &id))
-        sagi_params_fail(params, param, "there is no texture \"%.*s\"",
-                         (int)(name.length < 100 ? name.length : 100), name.text);
+    if (!sagi_pbrt_find(p, first, name, &id) && !sagi_pbrt_find(p, second, name, &id)) {
+        const sag_status status = sagi_pbrt_promise(p, param->place, first, name, &id);
+        if (status != SAG_OK) params->status = status;
+    }
     return id;
 }
 

@@ -3,6 +3,8 @@
 // directive: mappings from points undo the transform of that place.
 #include "formats/number.h"
 #include "formats/pbrt_later.h"
+#include "formats/pbrt_promise.h"
+#include "render/world.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -235,12 +237,15 @@ sag_status sagi_pbrt_texture(sagi_pbrt *p, sagi_place place) {
     status = read_texture(p, place, kind, &texture);
     if (status == SAG_OK) status = sagi_pbrt_parameters_done(p);
     if (status != SAG_OK) return status;
-    const sag_texture_id id = sag_world_add_texture(p->world, &texture);
+    sagi_names *const names = is_color ? &p->spectrum_textures : &p->float_textures;
+    const sag_texture_id promised = sagi_pbrt_promised(p, names, name);
+    if (promised && sagi_texture_set(p->world, promised, &texture))
+        return sagi_pbrt_keep(p, names, name), SAG_OK;
+    const sag_texture_id id = promised ? 0 : sag_world_add_texture(p->world, &texture);
     if (!id) { // out of memory or nested too deep, which a plain one tells apart
         const sag_texture plain = {.kind = SAG_TEXTURE_CONSTANT};
         if (!sag_world_add_texture(p->world, &plain)) return sagi_pbrt_out_of_memory(p);
         return sagi_place_error(place, p->error, "the textures \"%.60s\" is made of nest too deep", name);
     }
-    return sagi_pbrt_define(p, place, is_color ? &p->spectrum_textures : &p->float_textures, name, id,
-                            is_color ? "spectrum texture" : "float texture");
+    return sagi_pbrt_define(p, place, names, name, id, is_color ? "spectrum texture" : "float texture");
 }

@@ -101,6 +101,14 @@ sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input);
 const sagi_spectrum_entry *sagi_spectrum_of(const sag_world *world, sag_spectrum_id id);
 // Makes a texture ready in *entry. False for inputs that are none and too many levels or parts.
 bool sagi_texture_prepare(const sag_world *world, const sag_texture *texture, sagi_texture *entry);
+// Ids of textures and materials that are not known yet (reserve.c): 0 when memory is short. Setting one fails
+// as adding it does; a material may not be mixed of such. At the end sagi_textures_settle returns a texture
+// that nests too deep, or in a circle; else 0.
+sag_texture_id sagi_texture_reserve(sag_world *world, bool is_number);
+bool sagi_texture_set(sag_world *world, sag_texture_id id, const sag_texture *texture);
+sag_texture_id sagi_textures_settle(sag_world *world);
+uint32_t sagi_material_reserve(sag_world *world);
+bool sagi_material_set(sag_world *world, uint32_t id, const sag_material *material);
 // What the material of a surface (appearance 0: the default) scatters there; with the pixel's footprint, or
 // NULL: textures are looked up at points. False: nothing is there (interface).
 bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
