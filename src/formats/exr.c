@@ -272,9 +272,26 @@ static exr_result_t point_at_rows(const sagi_exr_picture *p, uint32_t row, exr_e
     return EXR_ERR_SUCCESS;
 }
 
+// What does not get smaller is stored as it is, and is told from the rest by having the same size. OpenEXR
+// 3.1.5 stores it compressed where that has the very same size, for a reader to take as it is: one block of a
+// noisy picture in thirty would be garbage.
+typedef struct compressor {
+    exr_result_t (*compress)(exr_encode_pipeline_t *pipeline);
+} compressor;
+
+static exr_result_t compress_block(exr_encode_pipeline_t *pipeline) {
+    const compressor *own = pipeline->encoding_user_data;
+    const exr_result_t code = own->compress(pipeline);
+    if (code != EXR_ERR_SUCCESS || pipeline->compressed_bytes < pipeline->packed_bytes) return code;
+    memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+    pipeline->compressed_bytes = pipeline->packed_bytes;
+    return code;
+}
+
 static exr_result_t write_lines(exr_context_t exr, const sagi_exr_picture *p,
                                 exr_encode_pipeline_t *pipeline) {
     int32_t lines = 0;
+    compressor own = {.compress = NULL};
     exr_result_t code = exr_get_scanlines_per_chunk(exr, 0, &lines);
     for (uint32_t y = 0; code == EXR_ERR_SUCCESS && y < p->height; y += (uint32_t)lines) {
         exr_chunk_info_t chunk;
@@ -283,7 +300,12 @@ static exr_result_t write_lines(exr_context_t exr, const sagi_exr_picture *p,
             code = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, pipeline)
                           : exr_encoding_update(exr, 0, &chunk, pipeline);
         if (code == EXR_ERR_SUCCESS) code = point_at_rows(p, y, pipeline);
-        if (code == EXR_ERR_SUCCESS && y == 0) code = exr_encoding_choose_default_routines(exr, 0, pipeline);
+        if (code == EXR_ERR_SUCCESS && y == 0) {
+            code = exr_encoding_choose_default_routines(exr, 0, pipeline);
+            own.compress = pipeline->compress_fn;
+            pipeline->encoding_user_data = &own;
+            if (own.compress) pipeline->compress_fn = compress_block;
+        }
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, pipeline);
     }
     return code;

@@ -150,6 +150,9 @@ typedef struct sagi_pbrt {
     struct sagi_promised_instance *promised_instances;
     size_t promise_count, promise_allocated, promised_instance_count, promised_instance_allocated;
     bool naming;                 // the material that is being read gets a name
+    double image_distance;       // behind a lens (pbrt_lens.c), in the scene's unit; 0: there is none
+    double lens_share;           // of radiance that a lens lets through to the film
+    double film_diagonal;        // in mm
     int32_t seed;                // Option's
     const float (*corner_uv)[2]; // of the patch that is being added; NULL: none
     sag_scene *scene;            // shapes go there: the world's, an object's or a solid's
@@ -192,6 +195,9 @@ void sagi_pbrt_path(const sagi_pbrt *p, const char *name, char path[SAGI_MAX_PAT
 sag_input sagi_pbrt_light_color(sagi_pbrt *p, const char *name);
 sag_input sagi_pbrt_spectrum_input(sagi_pbrt *p, const char *name, sagi_spectrum_use use, double otherwise);
 sag_spectrum_id sagi_pbrt_named_spectrum(sagi_pbrt *p, const char *name);
+// The numbers in a file that a parameter names: of a spectrum's, pairs with rising wavelengths.
+sag_status sagi_pbrt_read_numbers(sagi_pbrt *p, const sagi_param *param, sagi_slice name, double *numbers,
+                                  size_t most, size_t *count);
 sag_input sagi_pbrt_float_input(sagi_pbrt *p, const char *name, double otherwise);
 // The picture in the file a parameter names, which must be there.
 sag_status sagi_pbrt_picture(sagi_pbrt *p, sagi_place place, const char *parameter, sag_encoding encoding,
@@ -213,6 +219,10 @@ sag_status sagi_pbrt_named_material(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_light_source(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_area_light_source(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_shape(sagi_pbrt *p, sagi_place place);
+
+// Camera "realistic" (pbrt_lens.c); and its field, once the film is known.
+sag_status sagi_pbrt_lens(sagi_pbrt *p, sagi_place place, sag_camera *camera);
+void sagi_pbrt_apply_lens(sagi_pbrt *p);
 
 // How pbrt begins: Gaussian filter, Sobol' points, 16 samples, 1280 × 720 (pbrt_settings).
 void sagi_pbrt_default_settings(sagi_pbrt *p);

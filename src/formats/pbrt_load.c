@@ -261,6 +261,7 @@ static sag_status world_begin(sagi_pbrt *p, sagi_place place) {
     p->state.ctm = sag_affine_identity();
     p->state.active = SAGI_ACTIVE_ALL;
     sagi_pbrt_apply_seed(p);
+    sagi_pbrt_apply_lens(p);
     const sagi_slice world = {"world", 5};
     return sagi_pbrt_name_system(p, world) ? SAG_OK : sagi_pbrt_out_of_memory(p);
 }

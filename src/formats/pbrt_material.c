@@ -34,7 +34,7 @@ static void remap_roughness(sagi_pbrt *p, sag_material *m) {
     }
 }
 
-static void read_own_roughness(sagi_pbrt *p, sag_material *m) {
+void sagi_pbrt_roughness(sagi_pbrt *p, sag_material *m) {
     read_roughness(p, "roughness", "uroughness", "vroughness", &m->roughness_u, &m->roughness_v);
     remap_roughness(p, m);
 }
@@ -70,47 +70,6 @@ static void read_metal(sagi_pbrt *p, const char *eta, const char *k, sag_materia
 
 static sag_input read_index(sagi_pbrt *p, const char *name) {
     return sagi_pbrt_spectrum_input(p, name, SAGI_SPECTRUM_INDEX, 1.5);
-}
-
-// The reflectance of an endless depth of a medium that scatters alike to all sides the share `albedo` of what
-// it takes (van de Hulst, "Multiple Light Scattering", 1980, vol. 2, ch. 14; to 0.002).
-static double deep_reflectance(double absorption, double scattering, double g) {
-    const double reduced = scattering * (1 - g);
-    if (!(reduced > 0)) return 0;
-    const double s = sqrt(fmax(absorption, 0) / (fmax(absorption, 0) + reduced));
-    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
-}
-
-// What light that comes out elsewhere than it went in makes on the whole: a coat over the medium's
-// reflectance, or, where the whole reflectance is given, just that.
-static void read_subsurface(sagi_pbrt *p, sag_material *m) {
-    const double g = sagi_params_float(&p->params, "g", 0);
-    char name[128];
-    sagi_params_string(&p->params, "name", "", name, sizeof name);
-    if (sagi_params_find(&p->params, "reflectance", ~0u)) {
-        m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
-        return;
-    }
-    sag_rgb absorption = {0.0011, 0.0024, 0.014}, scattering = {2.55, 3.21, 3.77};
-    if (sagi_params_find(&p->params, "sigma_a", ~0u) && sagi_params_find(&p->params, "sigma_s", ~0u)) {
-        absorption = sagi_pbrt_spectrum_input(p, "sigma_a", SAGI_SPECTRUM_INDEX, 1).value;
-        scattering = sagi_pbrt_spectrum_input(p, "sigma_s", SAGI_SPECTRUM_INDEX, 1).value;
-    } else if (name[0] && !sagi_pbrt_substance(name, &absorption, &scattering)) {
-        sagi_params_fail(&p->params, sagi_params_find(&p->params, "name", ~0u),
-                         "there is no substance \"%.100s\"", name);
-    }
-    m->kind = SAG_MATERIAL_COATED_DIFFUSE;
-    m->reflectance.value = (sag_rgb){deep_reflectance(absorption.r, scattering.r, g),
-                                     deep_reflectance(absorption.g, scattering.g, g),
-                                     deep_reflectance(absorption.b, scattering.b, g)};
-    m->eta = sagi_pbrt_spectrum_input(p, "eta", SAGI_SPECTRUM_INDEX, 1.33);
-    read_own_roughness(p, m);
-}
-
-static void warn_nearest(sagi_pbrt *p, sagi_place place, const char *kind, const char *nearest) {
-    sagi_pbrt_warn_once(p, place, kind, "the material \"%s\" is not supported: %s takes its place", kind,
-                        nearest);
-    for (size_t i = 0; i < p->params.count; i++) p->params.items[i].used = true;
 }
 
 static bool is_interface(const sagi_pbrt *p, uint32_t id) {
@@ -161,11 +120,11 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
     } else if (strcmp(kind, "conductor") == 0) {
         m->kind = SAG_MATERIAL_CONDUCTOR;
         read_metal(p, "eta", "k", m);
-        read_own_roughness(p, m);
+        sagi_pbrt_roughness(p, m);
     } else if (strcmp(kind, "dielectric") == 0) {
         m->kind = SAG_MATERIAL_DIELECTRIC;
         m->eta = read_index(p, "eta");
-        read_own_roughness(p, m);
+        sagi_pbrt_roughness(p, m);
     } else if (strcmp(kind, "thindielectric") == 0) {
         m->kind = SAG_MATERIAL_THIN_DIELECTRIC;
         m->eta = read_index(p, "eta");
@@ -173,7 +132,7 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         m->kind = SAG_MATERIAL_COATED_DIFFUSE;
         m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
         m->eta = read_index(p, "eta");
-        read_own_roughness(p, m);
+        sagi_pbrt_roughness(p, m);
         read_coat(p, m);
     } else if (strcmp(kind, "coatedconductor") == 0) {
         m->kind = SAG_MATERIAL_COATED_CONDUCTOR;
@@ -196,13 +155,7 @@ static bool read_kind(sagi_pbrt *p, sagi_place place, const char *kind, sag_mate
         read_mix(p, m);
     } else if (strcmp(kind, "interface") == 0 || strcmp(kind, "none") == 0 || kind[0] == '\0') {
         m->kind = SAG_MATERIAL_INTERFACE;
-    } else if (strcmp(kind, "subsurface") == 0) {
-        read_subsurface(p, m);
-        warn_nearest(p, place, kind, "a coated diffuse one of its whole reflectance");
-    } else if (strcmp(kind, "hair") == 0 || strcmp(kind, "measured") == 0) {
-        m->reflectance = sagi_pbrt_spectrum_input(p, "reflectance", SAGI_SPECTRUM_REFLECTANCE, half);
-        warn_nearest(p, place, kind, "a diffuse one");
-    } else {
+    } else if (!sagi_pbrt_stand_in(p, place, kind, m)) {
         return false;
     }
     m->displacement = sagi_pbrt_float_input(p, "displacement", 0);

@@ -12,6 +12,11 @@ sag_status sagi_pbrt_medium_interface(sagi_pbrt *p, sagi_place place);
 // An error for the first medium that is used and never made; when all has been read.
 sag_status sagi_pbrt_check_media(sagi_pbrt *p);
 
+// A material that another stands for (pbrt_stand_in.c); false for a kind that is none of those.
+bool sagi_pbrt_stand_in(sagi_pbrt *p, sagi_place place, const char *kind, sag_material *material);
+// "roughness" or "uroughness" and "vroughness", as "remaproughness" says (pbrt_material.c).
+void sagi_pbrt_roughness(sagi_pbrt *p, sag_material *material);
+
 // The coefficients per millimetre of a substance pbrt knows by name (pbrt_substances.c); false for another.
 bool sagi_pbrt_substance(const char *name, sag_rgb *absorption, sag_rgb *scattering);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Shapes with arrays in a pbrt scene: meshes of triangles or bilinear patches, polygons, sets of spheres.
+// Shapes with arrays in a pbrt scene: meshes of triangles, polygons, sets of spheres.
 // Points written in the file are kept in double precision, those of a PLY file in the precision they have
 // there. A vertex that is no number stays: the scene drops its triangles and counts them.
 #include "formats/pbrt_shape.h"
@@ -28,8 +28,7 @@ static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *na
     return status;
 }
 
-// The same for a mesh that has no file of its own: its name is the place.
-static sag_status finish_text_mesh(sagi_pbrt *p, sagi_mesh_data *data) {
+sag_status sagi_pbrt_finish_text_mesh(sagi_pbrt *p, sagi_mesh_data *data) {
     char name[SAGI_MAX_PATH + 32];
     int line = 0, column;
     if (p->options->on_mesh) sagi_place_find(p->params.place, &line, &column); // counts all lines before
@@ -76,10 +75,8 @@ static sag_status copy_floats(sagi_pbrt *p, const char *name, unsigned types, si
     return SAG_OK;
 }
 
-// Reads P, N, uv and checks the indices; `corners` of them make a face. Without indices the points are one
-// face.
-static sag_status read_arrays(sagi_pbrt *p, size_t corners, sagi_mesh_data *data, const double **indices,
-                              size_t *index_count) {
+sag_status sagi_pbrt_read_arrays(sagi_pbrt *p, size_t corners, sagi_mesh_data *data, const double **indices,
+                                 size_t *index_count) {
     sagi_params *params = &p->params;
     size_t count;
     const double *positions = sagi_params_numbers(params, "P", SAGI_TYPE_POINT3, 3, &count);
@@ -112,7 +109,7 @@ static sag_status read_arrays(sagi_pbrt *p, size_t corners, sagi_mesh_data *data
 sag_status sagi_pbrt_read_triangles(sagi_pbrt *p, sagi_mesh_data *data) {
     const double *indices;
     size_t count;
-    const sag_status status = read_arrays(p, 3, data, &indices, &count);
+    const sag_status status = sagi_pbrt_read_arrays(p, 3, data, &indices, &count);
     if (status != SAG_OK) return status;
     if (count == 0 && !sagi_mesh_data_add(data, 0, 1, 2)) return sagi_pbrt_out_of_memory(p);
     for (size_t i = 0; i < count; i += 3)
@@ -131,7 +128,7 @@ sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p) {
         sagi_mesh_data_clear(&data);
         return status;
     }
-    return finish_text_mesh(p, &data);
+    return sagi_pbrt_finish_text_mesh(p, &data);
 }
 
 // Levels of subdivision, few enough that the triangles can be counted and held.
@@ -168,47 +165,7 @@ sag_status sagi_pbrt_loopsubdiv(sagi_pbrt *p) {
                        "%s: %u edges of more than two triangles, or of two that are turned differently, are "
                        "taken for borders",
                        p->params.what, borders);
-    return finish_text_mesh(p, &mesh);
-}
-
-sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p) {
-    sagi_mesh_data data = {.context = p->context};
-    const double *indices;
-    size_t count;
-    sag_status status = read_arrays(p, 4, &data, &indices, &count);
-    if (status == SAG_OK && data.normals)
-        sagi_pbrt_warn_once(p, p->params.place, "bilinearmesh",
-                            "Shape \"bilinearmesh\": \"N\" is not supported");
-    sagi_pbrt_ignore(p, "emissionfilename", "is not supported");
-    sagi_pbrt_ignore(p, "faceIndices", NULL);
-    for (size_t i = 0; status == SAG_OK && i < (count ? count : 4); i += 4) {
-        sag_vec3 corners[4];
-        float uv[4][2];
-        for (size_t k = 0; k < 4; k++) {
-            const size_t index = count ? (size_t)indices[i + k] : k;
-            const double *q = data.positions_f64 + 3 * index;
-            corners[k] = sag_vec3_make(q[0], q[1], q[2]);
-            if (data.texcoords) memcpy(uv[k], data.texcoords + 2 * index, sizeof uv[k]);
-        }
-        const sag_bilinear_patch patch = {corners[0], corners[1], corners[2], corners[3]};
-        sag_error reason = {0};
-        if (sag_bilinear_patch_validate(&patch, &reason) != SAG_OK) {
-            sagi_pbrt_warn_once(p, p->params.place, "bilinearmesh patch",
-                                "Shape \"bilinearmesh\": patch %zu is left out: %.300s", i / 4,
-                                reason.message);
-            continue;
-        }
-        const sag_bilinear_patch placed = {
-            sag_affine_point(&p->state.ctm, corners[0]), sag_affine_point(&p->state.ctm, corners[1]),
-            sag_affine_point(&p->state.ctm, corners[2]), sag_affine_point(&p->state.ctm, corners[3])};
-        p->corner_uv = data.texcoords ? &uv[0] : NULL;
-        status = sagi_pbrt_add(p, SAG_SHAPE_BILINEAR_PATCH, &patch,
-                               p->state.area_light.power > 0 ? sag_bilinear_patch_area(&placed) : 0,
-                               &p->state.ctm);
-        p->corner_uv = NULL;
-    }
-    sagi_mesh_data_clear(&data);
-    return status;
+    return sagi_pbrt_finish_text_mesh(p, &mesh);
 }
 
 sag_status sagi_pbrt_polygon(sagi_pbrt *p) {

@@ -15,6 +15,7 @@
 
 void sagi_pbrt_default_settings(sagi_pbrt *p) {
     sag_settings *settings = sag_world_settings(p->world);
+    p->film_diagonal = 35;
     settings->camera.kind = SAG_CAMERA_PERSPECTIVE;
     settings->camera.to_world = sag_affine_identity();
     settings->camera.fov_rad = 90 * RADIANS;
@@ -48,10 +49,7 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
         camera.kind = SAG_CAMERA_ORTHOGRAPHIC;
     else if (strcmp(name, "spherical") == 0 || strcmp(name, "environment") == 0)
         camera.kind = SAG_CAMERA_ENVIRONMENT;
-    else if (strcmp(name, "realistic") == 0)
-        sagi_pbrt_warn(p, place,
-                       "Camera \"realistic\" is not supported: a perspective camera takes its place");
-    else if (strcmp(name, "perspective") != 0)
+    else if (strcmp(name, "perspective") != 0 && strcmp(name, "realistic") != 0)
         return unknown(p, place, "camera", name);
     if (p->state.outside) sag_world_settings(p->world)->camera_medium = p->media[p->state.outside - 1].id;
     sagi_params *params = &p->params;
@@ -65,12 +63,17 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
     if (!named) return sagi_pbrt_out_of_memory(p);
     if (p->options->geometry_only) return SAG_OK;
 
+    p->image_distance = 0, p->lens_share = 1;
+    if (strcmp(name, "realistic") == 0) {
+        const sag_status read = sagi_pbrt_lens(p, place, &camera);
+        if (read != SAG_OK) return read;
+    }
     const double fov = sagi_params_float(params, "fov", 90);
     if (!(fov > 0 && fov < 180))
         sagi_params_fail(params, sagi_params_find(params, "fov", ~0u), "fov %g: it must be in (0, 180)", fov);
     camera.fov_rad = fov * RADIANS;
-    camera.lens_radius = sagi_params_float(params, "lensradius", 0);
-    camera.focal_distance = sagi_params_float(params, "focaldistance", 0);
+    camera.lens_radius = sagi_params_float(params, "lensradius", camera.lens_radius);
+    camera.focal_distance = sagi_params_float(params, "focaldistance", camera.focal_distance);
     if (!(camera.lens_radius >= 0))
         sagi_params_fail(params, sagi_params_find(params, "lensradius", ~0u), "a lens of radius %g",
                          camera.lens_radius);
@@ -93,7 +96,7 @@ sag_status sagi_pbrt_camera(sagi_pbrt *p, sagi_place place) {
     const double exposure = sagi_params_float(params, "shutterclose", 1) - opens;
     if (!(exposure > 0 && isfinite(exposure)))
         sagi_params_fail(params, NULL, "the shutter closes %g s after it opened", exposure);
-    sag_world_settings(p->world)->film.exposure_seconds = exposure;
+    sag_world_settings(p->world)->film.exposure_seconds = exposure * p->lens_share;
     if (camera.kind == SAG_CAMERA_ENVIRONMENT) {
         char mapping[32]; // "environment" is how older scenes call the one there was
         sagi_params_string(params, "mapping",
@@ -167,7 +170,7 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
     if (!sag_sensor_is_known(film->sensor))
         sagi_params_fail(params, sagi_params_find(params, "sensor", ~0u), "unknown sensor \"%s\"",
                          film->sensor);
-    sagi_pbrt_ignore(p, "diagonal", NULL);
+    p->film_diagonal = sagi_params_float(params, "diagonal", 35);
     sagi_pbrt_ignore(p, "savefp16", NULL);
     film->layers = 0;
     if (strcmp(name, "gbuffer") == 0) {

@@ -313,6 +313,7 @@ static sag_status unsupported(sagi_pbrt *p, const char *name) {
     if (p->solid.scene)
         return sagi_params_fail(&p->params, NULL, "it is not supported, and a solid cannot do without");
     sagi_pbrt_warn_once(p, p->params.place, name, "the shape \"%s\" is not supported: left out", name);
+    for (size_t i = 0; i < p->params.count; i++) p->params.items[i].used = true;
     return SAG_OK;
 }
 

@@ -21,8 +21,14 @@ sag_status sagi_pbrt_plymesh(sagi_pbrt *p);
 sag_status sagi_pbrt_trianglemesh(sagi_pbrt *p);
 // The mesh of the parameters that have been read; on failure *data holds what there is so far.
 sag_status sagi_pbrt_read_triangles(sagi_pbrt *p, sagi_mesh_data *data);
+// P, N, uv and the indices, `corners` of which make a face; without indices (0 of them) the points are one
+// face.
+sag_status sagi_pbrt_read_arrays(sagi_pbrt *p, size_t corners, sagi_mesh_data *data, const double **indices,
+                                 size_t *index_count);
+// Adds a mesh that has no file of its own, whose name is the place, and clears it.
+sag_status sagi_pbrt_finish_text_mesh(sagi_pbrt *p, sagi_mesh_data *data);
 sag_status sagi_pbrt_loopsubdiv(sagi_pbrt *p);
-sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p);
+sag_status sagi_pbrt_bilinearmesh(sagi_pbrt *p); // (pbrt_patch.c)
 sag_status sagi_pbrt_polygon(sagi_pbrt *p);
 sag_status sagi_pbrt_spheres(sagi_pbrt *p);
 

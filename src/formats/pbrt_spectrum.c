@@ -15,17 +15,16 @@
 
 #define MAX_SAMPLES 4096
 
-// Pairs of wavelength and value, white space between, # for comments.
-static sag_status read_pairs(sagi_pbrt *p, const sagi_param *param, sagi_slice name, double *pairs,
-                             size_t *count) {
+sag_status sagi_pbrt_read_numbers(sagi_pbrt *p, const sagi_param *param, sagi_slice name, double *numbers,
+                                  size_t most, size_t *count) {
     char text[SAGI_MAX_PATH], path[SAGI_MAX_PATH];
     snprintf(text, sizeof text, "%.*s", (int)(name.length < SAGI_MAX_PATH ? name.length : SAGI_MAX_PATH - 1),
              name.text);
     sagi_pbrt_path(p, text, path);
     sagi_source source = {.file = {0}};
     if (sagi_file_open(p->context, path, &source.file, NULL) != SAG_OK)
-        return sagi_params_fail(&p->params, param, "there is no spectrum and no file called \"%.200s\"",
-                                text);
+        return sagi_params_fail(&p->params, param, "there is no %sfile called \"%.200s\"",
+                                param->type == SAGI_TYPE_SPECTRUM ? "spectrum and no " : "", text);
     snprintf(source.path, sizeof source.path, "%s", path);
     const char *begin = (const char *)source.file.bytes;
     sagi_cursor cursor = {&source, begin, begin + source.file.size};
@@ -34,19 +33,21 @@ static sag_status read_pairs(sagi_pbrt *p, const sagi_param *param, sagi_slice n
     *count = 0;
     while ((status = sagi_cursor_next(&cursor, &token, p->error)) == SAG_OK && token.kind != SAGI_TOKEN_END) {
         const char *const end = token.text.text + token.text.length;
-        if (*count == 2 * MAX_SAMPLES)
-            status = sagi_place_error(token.place, p->error, "more than %d samples", MAX_SAMPLES);
+        if (*count == most)
+            status = sagi_place_error(token.place, p->error, "more than %zu numbers", most);
         else if (token.kind != SAGI_TOKEN_WORD ||
-                 sagi_parse_number(token.text.text, end, &pairs[(*count)++]) != end)
+                 sagi_parse_number(token.text.text, end, &numbers[(*count)++]) != end)
             status = sagi_place_error(token.place, p->error, "a number expected");
         if (status != SAG_OK) break;
     }
-    if (status == SAG_OK && (*count < 2 || *count % 2))
-        status = sagi_place_error(token.place, p->error, "pairs of a wavelength and a value expected");
-    for (size_t i = 2; status == SAG_OK && i < *count; i += 2)
-        if (!(pairs[i] > pairs[i - 2]))
-            status = sagi_place_error(token.place, p->error, "the wavelengths do not rise: %g after %g",
-                                      pairs[i], pairs[i - 2]);
+    if (status == SAG_OK && param->type == SAGI_TYPE_SPECTRUM) {
+        if (*count < 2 || *count % 2)
+            status = sagi_place_error(token.place, p->error, "pairs of a wavelength and a value expected");
+        for (size_t i = 2; status == SAG_OK && i < *count; i += 2)
+            if (!(numbers[i] > numbers[i - 2]))
+                status = sagi_place_error(token.place, p->error, "the wavelengths do not rise: %g after %g",
+                                          numbers[i], numbers[i - 2]);
+    }
     sagi_file_close(&source.file);
     return p->params.status = status;
 }
@@ -101,7 +102,7 @@ static void read_name(sagi_pbrt *p, const sagi_param *param, sag_spectrum *spect
         return;
     }
     size_t count;
-    if (read_pairs(p, param, name, pairs, &count) == SAG_OK) {
+    if (sagi_pbrt_read_numbers(p, param, name, pairs, 2 * (size_t)MAX_SAMPLES, &count) == SAG_OK) {
         spectrum->kind = SAG_SPECTRUM_SAMPLED;
         spectrum->pairs = pairs;
         spectrum->pair_count = count / 2;
