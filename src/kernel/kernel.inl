@@ -35,16 +35,16 @@ typedef struct later later;
 
 // What is asked, and the answer so far.
 typedef struct search {
-    sag_hit *best;               // CLOSEST
-    bool found;                  // CLOSEST, ANY
-    bool odd;                    // CLOSEST: whether as many hits as are at the best t are an odd number
-    bool near;                   // CLOSEST: whether there are others in a little room beyond it:
+    sag_hit *best;   // CLOSEST
+    bool found;      // CLOSEST, ANY
+    bool odd;        // CLOSEST: whether as many hits as are at the best t are an odd number
+    bool near;       // CLOSEST: whether there are others in a little room beyond it:
+    bool both_sides; // see sagi_kernel
+    uint32_t path_length;
     double grain, reach;         // grain · (|t| + reach), mostly 0 (solid_parts.inl)
     sagi_collector collector;    // ALL
     sagi_repeats repeats;        // ALL: what of it may come again
     const sagi_visitor *visitor; // ALL: takes everything in place of these two, when there is one
-    bool both_sides;             // see sagi_kernel
-    uint32_t path_length;
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
     later *later;         // of a batch (put_off.inl), else NULL
     const sag_hit *known; // the first crossing of a solid's part 0, if it is known, else NULL
@@ -168,7 +168,7 @@ typedef struct waiting {
 typedef struct stack {
     float *begin;
     uint32_t *child;
-    uint32_t height;
+    size_t height;
 } stack;
 
 // What a step needs of the ray, each number in all lanes: with enough registers it stays there from step to
@@ -233,7 +233,7 @@ SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const slabs *r,
     mask &= ~(1U << lane);
     sagi_write_lanes(mask, begin, waits->begin + waits->height, sagi_i8_load(node->child),
                      waits->child + waits->height);
-    waits->height += (uint32_t)__builtin_popcount(mask);
+    waits->height += (size_t)__builtin_popcount(mask);
     return true;
 }
 
@@ -248,7 +248,7 @@ SAGI_INLINE bool come_to_tree(question asked, level *here, bool *over) {
     if (world->tree.node_count == 0 || !sagi_float_ray_make(world, here->ray, &here->tree_ray)) return false;
     here->in_tree = true;
     here->limit = here->tree_ray.limit;
-    if (here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
+    if (world->unbounded_count != 0 && here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
     return true;
 }
 
@@ -263,10 +263,24 @@ SAGI_INLINE bool pop(question asked, float limit, stack *waits, waiting *next) {
     return true;
 }
 
-// (A function of its own: in one with the loop, the registers would not do for both.)
-static __attribute__((noinline)) bool leaf_apart(question asked, level *here, const sagi_block *block,
+// A leaf by a function of its own: in one with the loop, the registers would not do for both. And what a
+// block of triangles that are all missed does not need, by further ones: so there is nothing to save here.
+static __attribute__((noinline)) bool take_apart(question asked, level *here,
+                                                 const sagi_triangle_block *block, const block_answer *answer,
                                                  float begin) {
-    return leaf(asked, here, block, begin);
+    return take_triangles(asked, here, block, answer, begin);
+}
+static __attribute__((noinline)) bool others_apart(question asked, level *here, const sagi_block *block,
+                                                   float begin) {
+    return other_than_triangles(asked, here, block, begin);
+}
+static __attribute__((noinline)) bool leaf_apart(question asked, level *here, const sagi_block *block,
+                                                 float begin, block_answer *answer) {
+    if (block->kind != SAGI_BLOCK_TRIANGLES) return others_apart(asked, here, block, begin);
+    const sagi_triangle_block *triangles = (const sagi_triangle_block *)(const void *)block;
+    SAGI_KERNEL_COUNT(blocks);
+    return meet_triangles(triangles, &here->tree_ray, begin, here->limit, true, answer) &&
+           take_apart(asked, here, triangles, answer, begin);
 }
 
 // True when the search is over.
@@ -274,23 +288,28 @@ SAGI_INLINE bool walk(question asked, level *here) {
     bool over;
     if (!come_to_tree(asked, here, &over)) return over;
     const sagi_bvh *tree = &here->world->tree;
+    // (Multiplied in one go, not in three steps.)
+    const size_t node_bytes = sagi_opaque(sizeof(sagi_bvh_node));
+    const unsigned char *nodes = (const unsigned char *)tree->nodes;
     float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     stack waits = {begin, child, 0};
     waiting next = {0, 0}; // the root
+    block_answer answer;
     slabs r = slabs_of(&here->tree_ray);
     for (;;) {
         const float limit = here->limit;
         while ((next.child & SAGI_BVH_LEAF) == 0)
-            if (!step(asked, &tree->nodes[next.child], &r, limit, &waits, &next) &&
+            if (!step(asked, (const sagi_bvh_node *)(const void *)(nodes + next.child * node_bytes), &r,
+                      limit, &waits, &next) &&
                 !pop(asked, limit, &waits, &next))
                 goto end;
-        if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) return true;
+        if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin, &answer)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
         r = slabs_of(&here->tree_ray); // anew, so that it need not be kept meanwhile
     }
 end:
-    if (asked == CLOSEST && here->candidate_count > 0) settle(here);
+    if (asked == CLOSEST && here->candidate_count > 0) settle_last(here);
     return false;
 }
 
@@ -302,8 +321,8 @@ static bool walk_all(level *here) { return walk(ALL, here); }
 
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
-    s.best = hit, s.found = false, s.both_sides = false, s.path_length = 0, s.grain = s.reach = 0;
-    s.later = NULL, s.known = NULL;
+    s.best = hit, s.found = s.odd = s.near = s.both_sides = false, s.path_length = 0;
+    s.grain = s.reach = 0, s.later = NULL, s.known = NULL;
     level here;
     enter(&here, world, ray, &s);
     if (world->solid != NULL)

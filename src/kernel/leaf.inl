@@ -204,10 +204,13 @@ static __attribute__((noinline)) bool list(question asked, level *here, const sa
 
 // A leaf of the tree that the ray meets at τ = begin at the earliest. Shapes are asked with the t_max that is
 // known by then.
-SAGI_INLINE bool leaf(question asked, level *here, const sagi_block *block, float begin) {
-    if (block->kind == SAGI_BLOCK_TRIANGLES)
-        return triangle_block(asked, here, (const sagi_triangle_block *)(const void *)block, begin);
+SAGI_INLINE bool other_than_triangles(question asked, level *here, const sagi_block *block, float begin) {
     if (block->kind == SAGI_BLOCK_SPHERES) return sphere_block(asked, here, block, begin);
     if (asked == CLOSEST) settle(here);
     return list(asked, here, ((const sagi_reference_block *)(const void *)block)->reference, block->count);
+}
+SAGI_INLINE bool leaf(question asked, level *here, const sagi_block *block, float begin) {
+    if (block->kind == SAGI_BLOCK_TRIANGLES)
+        return triangle_block(asked, here, (const sagi_triangle_block *)(const void *)block, begin);
+    return other_than_triangles(asked, here, block, begin);
 }

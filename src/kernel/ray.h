@@ -241,7 +241,8 @@ SAGI_INLINE void take_quick_way(const sagi_world *world, const sag_ray *ray, sag
     out->p = q, out->d = d * sagi_d4_fill(down), out->direction = raw * (float)down;
     double first = ray->t_min * unit, last = ray->t_max * unit;
     out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
-    out->t_min = first, out->from = (float)greater(first * (1 - 0x1p-22), 0);
+    const float from = (float)(first * (1 - 0x1p-22));
+    out->t_min = first, out->from = from > 0 ? from : 0;
     out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
     out->error = 0x1p-43 + spread;
 }
@@ -286,9 +287,8 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     const sagi_i8 fits = sagi_f8_less(size, most) & sagi_f8_at_most(least, size); // no NaN
     const uint32_t fit = (uint32_t)sagi_i8_mask(fits),
                    long_enough = (uint32_t)sagi_i8_mask(sagi_f8_above(size, 0.5F));
-    const bool usual = ((fit & 0x77) == 0x77) & ((long_enough & 7) != 0) & !world->has_spread &
-                       (ray->t_min <= ray->t_max) & (ray->t_min * world->scale >= -0x1p-44) &
-                       (ray->t_max >= 0);
+    const bool usual = (fit & 0x77) == 0x77 && (long_enough & 7) != 0 && ray->t_min >= 0 &&
+                       ray->t_min <= ray->t_max && !world->has_spread;
     if (__builtin_expect(!usual, 0)) return make_unusual(world, ray, out);
     take_quick_way(world, ray, q, d, p, raw, 0, 0, out);
     return true;

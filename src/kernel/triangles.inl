@@ -30,7 +30,7 @@
 // certain miss, three of one sign a certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is
 // certain, and for any time x
 //     X = sign(D) T − |D| x  is off by at most  b₀ + b₁|x|  (and 5vE²|x| for roundings, which b₁ has room
-//     for),
+//     for, and v(2E²|A|₁ + b₀) where T ∓ b₀ is rounded, which b₀ has),
 // so that beyond that X says for certain on which side of x the hit is. Every hit lies in the block's box,
 // which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±2¹⁹
 // first.
@@ -82,6 +82,19 @@ SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray
            ray->error * steps <= 0.125;
 }
 
+// B, b₁, and what b₀ is made of, for each sagi_block.edge.
+typedef struct edge_bounds {
+    float outside, b1, b0_way, b0;
+} edge_bounds;
+#define EDGE(i) ((float)((i) + 1) * 256)
+#define B1(i)   (EDGE(i) * (12.5F + EDGE(i) * (60 * 0x1p-24F)))
+#define BOUNDS(i)                                                                                            \
+    { 6.03F * 81920 + 3.98F * EDGE(i), B1(i), B1(i) * (1 / 3.0F), 4 * EDGE(i) * EDGE(i) }
+#define BOUNDS4(i)  BOUNDS(i), BOUNDS((i) + 1), BOUNDS((i) + 2), BOUNDS((i) + 3)
+#define BOUNDS16(i) BOUNDS4(i), BOUNDS4((i) + 4), BOUNDS4((i) + 8), BOUNDS4((i) + 12)
+#define BOUNDS64(i) BOUNDS16(i), BOUNDS16((i) + 16), BOUNDS16((i) + 32), BOUNDS16((i) + 48)
+static const edge_bounds bounds_of_edges[256] = {BOUNDS64(0), BOUNDS64(64), BOUNDS64(128), BOUNDS64(192)};
+
 // `begin` is a lower bound of the τ where the ray meets the block's box, `limit` an upper bound of the τ that
 // still matter.
 SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_float_ray *ray, float begin,
@@ -96,7 +109,8 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     f8x3 m = cross8(&d, &a), n = cross8(&z, &x);
     sagi_f8 ab = dot8(&m, &x), ca = dot8(&m, &z), den = dot8(&d, &n), bc = (den - ab - ca) * 0.32F;
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, ca), bc), most = sagi_f8_max(sagi_f8_max(ab, ca), bc);
-    float edge = (float)(block->head.edge + 1) * 256, bound = 6.03F * 81920 + 3.98F * edge;
+    const edge_bounds *bounds = &bounds_of_edges[block->head.edge];
+    const float bound = bounds->outside, b1 = bounds->b1;
     uint32_t there = (1U << block->head.count) - 1;
     if (__builtin_expect(!usual, 0)) {
         answer->certain = answer->inside = answer->back = 0, answer->uncertain = there;
@@ -105,23 +119,25 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     there &= ~sagi_i8_mask(sagi_f8_below(least, -bound) & sagi_f8_above(most, bound));
     if (hurry && there == 0) return false; // all missed: as often as not
 
-    // When.
+    // When. X is beyond its error where T ∓ b₀ is beyond |D| x ± b₁|x|.
     sagi_f8 num = dot8(&a, &n);
     sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
     sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
     const float range = 0x1p19F;
     float grid = (float)steps;
-    float b1 = edge * (12.5F + edge * (60 * 0x1p-24F));
     sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
-    sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(b1 * (1 / 3.0F)), sagi_f8_fill(4 * edge * edge));
-    float first = sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range);
-    float last = sagi_float_min((limit - begin) * grid, range);
-    float last_certain = sagi_float_min((ray->t_max - begin) * grid, last);
-    sagi_f8 from = t - size * first, first_error = b0 + b1 * fabsf(first);
-    sagi_f8 until = t - size * last, last_error = b0 + b1 * fabsf(last);
-    sagi_i8 beyond = sagi_f8_less(last_error, until) | sagi_f8_less(from, -first_error);
-    until = t - size * last_certain, last_error = b0 + b1 * fabsf(last_certain);
-    sagi_i8 within = sagi_f8_less(until, -last_error) & sagi_f8_less(first_error, from);
+    sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(bounds->b0_way), sagi_f8_fill(bounds->b0));
+    sagi_f8 low = t - b0, high = t + b0, error = sagi_f8_fill(b1);
+    float last_time = sagi_float_min((limit - begin) * grid, range);
+    sagi_f8 first = sagi_f8_fill(sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range));
+    sagi_f8 last = sagi_f8_fill(last_time);
+    sagi_f8 last_certain = sagi_f8_fill(sagi_float_min((ray->t_max - begin) * grid, last_time));
+    sagi_f8 first_error = sagi_f8_abs(first) * error, last_error = sagi_f8_abs(last) * error;
+    sagi_i8 beyond = sagi_f8_less(sagi_f8_fma(size, last, last_error), low) |
+                     sagi_f8_less(high, sagi_f8_fms(size, first, first_error));
+    last_error = sagi_f8_abs(last_certain) * error;
+    sagi_i8 within = sagi_f8_less(high, sagi_f8_fms(size, last_certain, last_error)) &
+                     sagi_f8_less(sagi_f8_fma(size, first, first_error), low);
     sagi_i8 known = sagi_f8_above(size, 2 * b1),
             inside = sagi_f8_above(least, bound) | sagi_f8_below(most, -bound);
     there &= ~sagi_i8_mask(beyond & known);
@@ -217,6 +233,27 @@ static __attribute__((noinline)) void settle(level *here) {
             sphere(CLOSEST, here, c->block, c->lane);
     }
     here->candidate_count = 0;
+}
+
+// CLOSEST: settle where nothing is to come any more. Mostly there is one triangle, and no hit yet.
+SAGI_INLINE void settle_last(level *here) {
+    search *s = here->search;
+    const candidate *c = &here->candidates[0];
+    if (here->candidate_count != 1 || s->found || c->block->kind != SAGI_BLOCK_TRIANGLES) {
+        settle(here);
+        return;
+    }
+    const sagi_item *item = item_of(here, c->block);
+    const uint32_t primitive = ((const sagi_triangle_block *)(const void *)c->block)->primitive[c->lane];
+    sagi_d4 corner[3];
+    sagi_mesh_corners(item->shape, primitive, item->mirrored, corner);
+    double t, u, v;
+    SAGI_KERNEL_COUNT(solved);
+    if (!sagi_triangle_solve_here(here->ray, here->t_max, corner[0], corner[1], corner[2], &t, &u, &v))
+        return;
+    write_hit(s, c->block->geometry, primitive, t, item->mirrored ? v : u, item->mirrored ? u : v, s->best);
+    s->found = s->odd = true, s->near = false;
+    here->t_max = t + room_of(s, t);
 }
 
 // CLOSEST: a certain hit bounds what still matters, though its t is not known yet. False when it does not

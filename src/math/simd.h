@@ -7,6 +7,7 @@
 #ifndef SAGI_MATH_SIMD_H
 #define SAGI_MATH_SIMD_H
 
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -34,6 +35,12 @@ typedef float sagi_f4 __attribute__((vector_size(16)));
 typedef int32_t sagi_w4 __attribute__((vector_size(16)));
 
 #define SAGI_INLINE static inline __attribute__((always_inline))
+
+// The same number, of which the compiler no longer knows what it is.
+SAGI_INLINE size_t sagi_opaque(size_t n) {
+    __asm__("" : "+r"(n));
+    return n;
+}
 
 SAGI_INLINE sagi_f8 sagi_f8_fill(float x) { return (sagi_f8){x, x, x, x, x, x, x, x}; }
 SAGI_INLINE sagi_d4 sagi_d4_fill(double x) { return (sagi_d4){x, x, x, x}; }
@@ -112,6 +119,13 @@ SAGI_INLINE sagi_d4 sagi_d4_load3_float(const float *p) {
     __m128 xy = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)p));
     return (sagi_d4)_mm256_cvtps_pd(_mm_movelh_ps(xy, _mm_load_ss(p + 2)));
 }
+SAGI_INLINE sagi_d4 sagi_d4_load4_float(const float *p) { return (sagi_d4)_mm256_cvtps_pd(_mm_loadu_ps(p)); }
+// (a₀ + a₁) + a₂. (By lanes, GCC takes a way through memory.)
+SAGI_INLINE double sagi_d4_sum3(sagi_d4 a) {
+    __m128d xy = _mm256_castpd256_pd128((__m256d)a);
+    xy = _mm_add_sd(xy, _mm_unpackhi_pd(xy, xy));
+    return _mm_cvtsd_f64(_mm_add_sd(xy, _mm256_extractf128_pd((__m256d)a, 1)));
+}
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a); }
 SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) { // of any alignment
@@ -148,6 +162,8 @@ SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a 
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a > b, a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_load3(const double *p) { return (sagi_d4){p[0], p[1], p[2], 0}; }
 SAGI_INLINE sagi_d4 sagi_d4_load3_float(const float *p) { return (sagi_d4){p[0], p[1], p[2], 0}; }
+SAGI_INLINE sagi_d4 sagi_d4_load4_float(const float *p) { return (sagi_d4){p[0], p[1], p[2], p[3]}; }
+SAGI_INLINE double sagi_d4_sum3(sagi_d4 a) { return (a[0] + a[1]) + a[2]; }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) {
     return (sagi_f4){(float)a[0], (float)a[1], (float)a[2], (float)a[3]};
 }

@@ -8,7 +8,8 @@
 static size_t aligned(size_t bytes) { return (bytes + 15) & ~(size_t)15; }
 
 // In the order in which they are put back in place below. The kinds that are not named have none; a test adds
-// every kind and frees the original.
+// every kind and frees the original. (A mesh's triangles come after its vertices: kernels may read four
+// numbers where a vertex has three.)
 int sagi_shape_parts(sag_shape_kind kind, const void *shape, sagi_part parts[SAGI_MAX_PARTS]) {
     if (kind == SAG_SHAPE_MESH) {
         const sag_mesh *m = shape;

@@ -23,7 +23,8 @@ static inline void sagi_mesh_triangle(const sag_mesh *mesh, uint32_t i, sag_vec3
 }
 
 // The same with the second and third in the other order if `mirrored`, in vectors whose fourth places hold
-// anything.
+// anything. Of a mesh in a store, where the vertices are not the last thing (scene/store.c): a vertex is
+// fetched with what follows it.
 SAGI_INLINE void sagi_mesh_corners(const sag_mesh *mesh, uint32_t i, bool mirrored, sagi_d4 out[3]) {
     const uint32_t *corner = &mesh->triangles[3 * (size_t)i];
     size_t swap = mirrored, a = 3 * (size_t)corner[0], b = 3 * (size_t)corner[1 + swap],
@@ -31,10 +32,10 @@ SAGI_INLINE void sagi_mesh_corners(const sag_mesh *mesh, uint32_t i, bool mirror
     const double *f64 = mesh->positions_f64;
     const float *f32 = mesh->positions_f32;
     if (__builtin_expect(f64 != NULL, 0))
-        out[0] = sagi_d4_load3(f64 + a), out[1] = sagi_d4_load3(f64 + b), out[2] = sagi_d4_load3(f64 + c);
+        out[0] = sagi_d4_load(f64 + a), out[1] = sagi_d4_load(f64 + b), out[2] = sagi_d4_load(f64 + c);
     else
-        out[0] = sagi_d4_load3_float(f32 + a), out[1] = sagi_d4_load3_float(f32 + b),
-        out[2] = sagi_d4_load3_float(f32 + c);
+        out[0] = sagi_d4_load4_float(f32 + a), out[1] = sagi_d4_load4_float(f32 + b),
+        out[2] = sagi_d4_load4_float(f32 + c);
 }
 
 // Why a triangle is not there, if it is not.

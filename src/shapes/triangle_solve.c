@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The rarer steps on the way to t, u and v (triangle_solve.h): double-doubles, and expansions.
+// The rarer steps on the way to t, u and v (triangle_solve.h): all of it in double-doubles, and expansions.
 #include "shapes/triangle_solve.h"
 #include "shapes/vector_expansion.h"
 
@@ -23,7 +23,7 @@ static bool accept(const sagi_triangle_ray *ray, double t_scaled, double beta, d
     return true;
 }
 
-// Step 3.
+// Step 4.
 static SAGI_COLD bool solve_exact(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                                   const sag_vec3 *c, double *t, double *u, double *v) {
     // Of a mesh that nobody checked (scene/check.c): exponents of what is not finite are no numbers to add.
@@ -49,7 +49,7 @@ static SAGI_COLD bool solve_exact(const sagi_triangle_ray *ray, const sag_vec3 *
     return accept(ray, t_scaled, beta, gamma, t, u, v);
 }
 
-// What step 1 cannot do.
+// What steps 1 to 3 cannot do.
 static SAGI_COLD bool solve_carefully(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                                       const sag_vec3 *c, double *t, double *u, double *v) {
     sag_vec3 way = sag_sub(*a, ray->o), edge1 = sag_sub(*b, *a), edge2 = sag_sub(*c, *a);
@@ -76,9 +76,9 @@ bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const 
                          const sag_vec3 *c, double *t, double *u, double *v) {
     sagi_solve1_pair of = {lanes_of(ray->o), lanes_of(ray->d), lanes_of(*a), lanes_of(*b), lanes_of(*c)};
     sagi_solve1_step s;
-    sagi_solve1_estimate(&of, &s);
-    sagi_solve1_improve(&of, &s);
-    if (sagi_triangle_refine(&of, &s)) return accept(ray, s.t, s.u, s.v, t, u, v);
+    sagi_solve1_solve(&of, &s);
+    if (sagi_solve1_good(&s) || sagi_triangle_refine(&of, -INFINITY, INFINITY, &s) == SAGI_TRIANGLE_SOLVED)
+        return accept(ray, s.t, s.u, s.v, t, u, v);
     return solve_carefully(ray, a, b, c, t, u, v);
 }
 

@@ -6,25 +6,32 @@
 //     t = (a − o) · n / D,    u = e(c, a) / D,    v = e(a, b) / D.
 //
 // With S(x) the sum of the absolute values of all products in x · n, the numerator of t has in doubles an
-// error of 8u S(a − o) and D one of 7u S(d) (so many roundings lie on a path): enough to see that t is
-// certainly out of range, as it is for most rays that leave this very triangle, but not for 4 ulp. So:
+// error of 8u S(a − o) and D one of 7u S(d) (so many roundings lie on a path): not enough for 4 ulp. So:
 //
-// 1. One Newton step. P = a − o − t₀ d, the way from the first estimate back to a, is at most as long as the
-//    triangle, and with error-free transforms its components come out within 2u |P| + 2u² (|a − o| + |t₀ d|).
-//    t = t₀ + n·P / D exactly, for any t₀. In doubles n·P has an error of 9u S(P) + 2u² (S(a − o) + |t₀|
-//    S(d)), which is a small part of u |t D| unless the triangle is large beside the distance. The weights
-//    follow from the same P, corrected: Q = n·P/D · d − P = u (b − a) + v (c − a), so u = (Q × (c − a)) · n /
-//    n², v = ((b − a) × Q) · n / n².
-// 2. The same step with n·P in double-doubles from exact differences: products and sums there are good to 7 ·
-//    2⁻¹⁰⁶ and 3 · 2⁻¹⁰⁶, so n·P to 2⁻¹⁰⁰ S(P), and only D is still a double. Where that is not enough
+// 1. From near the triangle. For any t₀, with P = a − o − t₀ d,
+//        t = t₀ + n · P / D,    u = −(d × P) · (c − a) / D,    v = (d × P) · (b − a) / D
+//    exactly. t₀ = (a − o) · d / d · d, where the ray comes nearest to a, is soon there, and then P is at
+//    most as long as the triangle. With error-free transforms its components come out within 2u |P| + 2u² (|a
+//    − o|
+//    + |t₀ d|), so that n · P has an error of 9u S(P) + 2u² (S(a − o) + |t₀| S(d)): a small part of u |t D|
+//    unless the triangle is large beside the distance. There is nothing in a row but this, and D is worked
+//    out beside it.
+// 2. Where that is not good enough, the same again from the t that it gave. Now the step n · P / D is so
+// small
+//    that D's error does not matter. The weights follow from P once it is corrected: Q = n · P/D · d − P =
+//    u (b − a) + v (c − a), so u = (Q × (c − a)) · n / n², v = ((b − a) × Q) · n / n²: for rays that graze
+//    the triangle.
+// 3. The same step with n · P in double-doubles from exact differences: products and sums there are good to 7
+// ·
+//    2⁻¹⁰⁶ and 3 · 2⁻¹⁰⁶, so n · P to 2⁻¹⁰⁰ S(P), and only D is still a double. Where that is not enough
 //    either, all of it in double-doubles, good to 46 · 2⁻¹⁰⁶ (2⁻¹⁰⁰ is used) of E² |a − o|₁ and so on, E
 //    being the longer edge in the maximum norm.
-// 3. Expansions: exact numerators and denominators, two roundings. For an origin almost in the plane, rays
-//    almost parallel to it, needles, and magnitudes beyond the other two's limits.
+// 4. Expansions: exact numerators and denominators, two roundings. For an origin almost in the plane, rays
+//    almost parallel to it, needles, and magnitudes beyond the others' limits.
 //
-// Each step checks its own bound (sagi_triangle_refine) and hands over to the next when t could be off by
-// more than 3u |t| with its last rounding (4 ulp are at least 4u |t|), or u and v by more than 2⁻⁴². So the
-// result is within 4 ulp always, and its bits depend on the ray's line and the triangle only.
+// Each step checks its own bound (good in triangle_step.inl, sagi_triangle_refine) and hands over to the next
+// when t could be off by more than 4 ulp or u and v by more than 2⁻⁴². What is asked is a function of the
+// ray's line and the triangle only, and so are the bits of the result.
 //
 // The first step is written once, in triangle_step.inl, and stands in this header for the kernels: with an
 // instruction for fused multiply-add an error-free product takes two operations in place of 17, and its bits
@@ -43,6 +50,7 @@ static inline double sagi_larger(double a, double b) { return a > b ? a : b; }
 
 #define REAL       double
 #define MASK       bool
+#define BOTH(a, b) ((a) && (b))
 #define STEP(name) sagi_solve1_##name
 #define ABS        fabs
 typedef sagi_d4 sagi_solve1_vec3; // the fourth place holds anything
@@ -52,17 +60,13 @@ SAGI_INLINE sagi_d4 sagi_solve1_mul(sagi_d4 a, sagi_d4 b) { return a * b; }
 SAGI_INLINE sagi_d4 sagi_solve1_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_max(a, b); }
 SAGI_INLINE sagi_d4 sagi_solve1_abs(sagi_d4 a) { return sagi_d4_abs(a); }
 SAGI_INLINE sagi_d4 sagi_solve1_turn(sagi_d4 a) { return SAGI_D4_SHUFFLE2(a, a, 1, 2, 0, 3); }
-SAGI_INLINE sagi_d4 sagi_solve1_raise(sagi_d4 a, double by) { return a + sagi_d4_fill(by); }
+SAGI_INLINE sagi_d4 sagi_solve1_turn_back(sagi_d4 a) { return SAGI_D4_SHUFFLE2(a, a, 2, 0, 1, 3); }
 SAGI_INLINE sagi_d4 sagi_solve1_scale(double s, sagi_d4 a) { return sagi_d4_fill(s) * a; }
 SAGI_INLINE sagi_d4 sagi_solve1_product_error(double s, sagi_d4 a, sagi_d4 product) {
     return sagi_d4_product_error(sagi_d4_fill(s), a, product);
 }
 SAGI_INLINE double sagi_solve1_largest(sagi_d4 a) { return sagi_larger(a[0], sagi_larger(a[1], a[2])); }
-SAGI_INLINE void sagi_solve1_sum2_turned(sagi_d4 a, sagi_d4 b, double sum[2]) {
-    sagi_d4 yx = SAGI_D4_SHUFFLE2(a, b, 1, 5, 0, 4), z = SAGI_D4_SHUFFLE2(a, b, 2, 6, 3, 7), yz = yx + z;
-    sagi_d4 all = yz + SAGI_D4_SHUFFLE2(yx, yx, 2, 3, 2, 3);
-    sum[0] = all[0], sum[1] = all[1];
-}
+SAGI_INLINE double sagi_solve1_sum(sagi_d4 a) { return sagi_d4_sum3(a); }
 SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, double sum[4]) {
     sagi_d4 xz1 = SAGI_D4_SHUFFLE2(a, b, 0, 4, 2, 6), xy1 = xz1 + SAGI_D4_SHUFFLE2(a, b, 1, 5, 3, 7);
     sagi_d4 xz2 = SAGI_D4_SHUFFLE2(c, d, 0, 4, 2, 6), xy2 = xz2 + SAGI_D4_SHUFFLE2(c, d, 1, 5, 3, 7);
@@ -73,6 +77,7 @@ SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, do
 
 #define REAL       sagi_d4
 #define MASK       sagi_l4
+#define BOTH(a, b) ((a) & (b))
 #define STEP(name) sagi_solve4_##name
 #define ABS        sagi_d4_abs
 typedef struct sagi_solve4_vec3 {
@@ -95,9 +100,7 @@ SAGI_INLINE sagi_d4x3 sagi_solve4_abs(sagi_d4x3 a) {
     return (sagi_d4x3){sagi_d4_abs(a.x), sagi_d4_abs(a.y), sagi_d4_abs(a.z)};
 }
 SAGI_INLINE sagi_d4x3 sagi_solve4_turn(sagi_d4x3 a) { return (sagi_d4x3){a.y, a.z, a.x}; }
-SAGI_INLINE sagi_d4x3 sagi_solve4_raise(sagi_d4x3 a, sagi_d4 by) {
-    return (sagi_d4x3){a.x + by, a.y + by, a.z + by};
-}
+SAGI_INLINE sagi_d4x3 sagi_solve4_turn_back(sagi_d4x3 a) { return (sagi_d4x3){a.z, a.x, a.y}; }
 SAGI_INLINE sagi_d4x3 sagi_solve4_scale(sagi_d4 s, sagi_d4x3 a) {
     return (sagi_d4x3){s * a.x, s * a.y, s * a.z};
 }
@@ -106,14 +109,10 @@ SAGI_INLINE sagi_d4x3 sagi_solve4_product_error(sagi_d4 s, sagi_d4x3 a, sagi_d4x
                        sagi_d4_product_error(s, a.z, product.z)};
 }
 SAGI_INLINE sagi_d4 sagi_solve4_largest(sagi_d4x3 a) { return sagi_d4_max(a.x, sagi_d4_max(a.y, a.z)); }
-SAGI_INLINE void sagi_solve4_sum2(sagi_d4x3 a, sagi_d4x3 b, sagi_d4 sum[2]) {
-    sum[0] = (a.x + a.y) + a.z, sum[1] = (b.x + b.y) + b.z;
-}
+SAGI_INLINE sagi_d4 sagi_solve4_sum(sagi_d4x3 a) { return (a.x + a.y) + a.z; }
 SAGI_INLINE void sagi_solve4_sum4(sagi_d4x3 a, sagi_d4x3 b, sagi_d4x3 c, sagi_d4x3 d, sagi_d4 sum[4]) {
-    sagi_solve4_sum2(a, b, sum), sagi_solve4_sum2(c, d, sum + 2);
-}
-SAGI_INLINE void sagi_solve4_sum2_turned(sagi_d4x3 a, sagi_d4x3 b, sagi_d4 sum[2]) {
-    sum[0] = (a.y + a.z) + a.x, sum[1] = (b.y + b.z) + b.x;
+    sum[0] = sagi_solve4_sum(a), sum[1] = sagi_solve4_sum(b);
+    sum[2] = sagi_solve4_sum(c), sum[3] = sagi_solve4_sum(d);
 }
 #include "shapes/triangle_step.inl"
 
@@ -160,35 +159,72 @@ static inline double sagi_triangle_residual(const sagi_solve1_pair *of, double t
     return sagi_dd_to_double(sagi_dd3_dot(&n, &p));
 }
 
-static inline double sagi_d4_sum3(sagi_d4 a) { return (a[0] + a[1]) + a[2]; }
+typedef enum sagi_triangle_outcome {
+    SAGI_TRIANGLE_OPEN,   // not known: the next step has to say
+    SAGI_TRIANGLE_SOLVED, // t, u (not yet confined) and v are good
+    SAGI_TRIANGLE_OUTSIDE // t is certainly out of range
+} sagi_triangle_outcome;
 
-// Step 1 from sagi_solve1_improve on, with the bounds of its errors in full, and step 2. False when these
-// will not do.
-static __attribute__((noinline)) bool sagi_triangle_refine(const sagi_solve1_pair *of, sagi_solve1_step *s) {
-    const double eps = SAGI_EPSILON;
-    double ao_sum = sagi_d4_sum3(sagi_d4_abs(s->ao) * s->s) + 0x1p-300 * s->square;
-    double d_sum = sagi_d4_sum3(sagi_d4_abs(of->d) * s->s);
-    double far = s->far + 0x1p-300; // with the limits below, the bounds cover all underflow
+// Steps 2 and 3, from t = s->t on.
+static __attribute__((noinline)) sagi_triangle_outcome
+sagi_triangle_refine(const sagi_solve1_pair *of, double t_min, double t_max, sagi_solve1_step *s) {
+    const double eps = SAGI_EPSILON, t0 = s->t, size = s->size, square = size * size;
+    sagi_d4 ao = of->a - of->o, ab = of->b - of->a, ac = of->c - of->a, turned_d = sagi_solve1_turn(of->d);
+    sagi_d4 turned_ab = sagi_solve1_turn_back(ab), turned_ac = sagi_solve1_turn_back(ac);
+    sagi_d4 plus = turned_ab * ac, minus = ab * turned_ac, n = plus - minus; // (y z x)
+    // Σ|xᵢ| sᵢ is S(x); 2⁻¹⁰⁰ is for underflow.
+    sagi_d4 products = (sagi_d4_abs(plus) + sagi_d4_abs(minus)) + sagi_d4_fill(0x1p-100 * square);
+    double denominator = sagi_solve1_sum(n * turned_d);
+    double ao_sum = sagi_solve1_sum(sagi_d4_abs(sagi_solve1_turn(ao)) * products) + 0x1p-300 * square;
+    double d_sum = sagi_solve1_sum(sagi_d4_abs(turned_d) * products);
+    double far = sagi_solve1_sum(sagi_d4_abs(ao)) + 0x1p-300; // with these limits, it covers all underflow
     double denominator_error = (7.1 * eps) * d_sum, scale = 1.01 * fabs(s->inverse);
-    if (!(far <= 0x1p400 && s->size >= 0x1p-200 && s->size <= 0x1p200 &&
-          denominator_error <= 0x1p-10 * fabs(s->denominator)))
-        return false;
-    double cancelled = (2.1 * eps * eps) * (ao_sum + fabs(s->estimate) * d_sum);
+    if (!(far <= 0x1p400 && size >= 0x1p-200 && size <= 0x1p200 &&
+          denominator_error <= 0x1p-10 * fabs(denominator)))
+        return SAGI_TRIANGLE_OPEN;
+    sagi_d4 p = sagi_solve1_way_back(of, ao, t0), turned_p = sagi_solve1_turn(p);
+    double p_sum = sagi_solve1_sum(sagi_d4_abs(turned_p) * products), p1 = sagi_solve1_sum(sagi_d4_abs(p));
+    double step = sagi_solve1_sum(n * turned_p) * s->inverse, t = t0 + step;
+    double cancelled = (2.1 * eps * eps) * (ao_sum + fabs(t0) * d_sum);
     double division = denominator_error * scale + 5 * eps;
     // Of t, less the last rounding.
-    double error = ((9.1 * eps) * s->p_sum + cancelled) * scale + fabs(s->step) * division;
-    if (!(error <= (1.9 * eps) * fabs(s->t))) {
-        s->step = sagi_triangle_residual(of, s->estimate) * s->inverse;
-        s->t = s->estimate + s->step;
-        error = 0x1p-100 * s->p_sum * scale + fabs(s->step) * division;
-        if (!(error <= (1.9 * eps) * fabs(s->t))) return false;
+    double error = ((9.1 * eps) * p_sum + cancelled) * scale + fabs(step) * division;
+    if (!(error <= (1.9 * eps) * fabs(t))) {
+        double margin = 1.01 * error + (16 * eps) * fabs(t);
+        if (t + margin < t_min || t - margin > t_max) return SAGI_TRIANGLE_OUTSIDE;
+        step = sagi_triangle_residual(of, t0) * s->inverse;
+        t = t0 + step;
+        error = 0x1p-100 * p_sum * scale + fabs(step) * division;
+        if (!(error <= (1.9 * eps) * fabs(t))) return SAGI_TRIANGLE_OPEN;
     }
-    sagi_solve1_weigh(of, s);
-    double q_error = (6 * eps) * s->p1 + (2 * eps * eps) * (far + fabs(s->estimate) * s->d1) +
-                     (error + (6 * eps) * fabs(s->step)) * s->d1;
+    sagi_d4 q = sagi_d4_fill(step) * of->d - p, turned_q = sagi_solve1_turn_back(q);
+    double n_square = sagi_solve1_sum(n * n), inverse = 1 / n_square;
+    s->t = t;
+    s->u = sagi_solve1_sum((turned_q * ac - q * turned_ac) * n) * inverse;
+    s->v = sagi_solve1_sum((turned_ab * q - ab * turned_q) * n) * inverse;
+    double q_error = (6 * eps) * p1 + (2 * eps * eps) * (far + fabs(t0) * s->d1) +
+                     (error + (6 * eps) * fabs(step)) * s->d1;
     // Of u and v: 28u |Q| E + 14u E² for the roundings, 3.5 E times Q's error, over |n|; |Q| ≤ E.
-    double weight_error = (42 * eps) * s->square + 3.5 * q_error * s->size;
-    return weight_error * weight_error <= 0x1p-84 * s->n_square;
+    double weight_error = (42 * eps) * square + 3.5 * q_error * size;
+    return weight_error * weight_error <= 0x1p-84 * n_square ? SAGI_TRIANGLE_SOLVED : SAGI_TRIANGLE_OPEN;
+}
+
+// What the first step, which ended with *s, left open.
+static __attribute__((noinline)) bool sagi_triangle_solve_on(const sag_ray *ray, double t_max,
+                                                             const sagi_solve1_pair *of, sagi_solve1_step *s,
+                                                             double *t, double *u, double *v) {
+    if (s->d1 >= 0x1p-62 && s->d1 <= 0x1p64) { // directions that sagi_triangle_prepare takes as they are
+        const sagi_triangle_outcome outcome = sagi_triangle_refine(of, ray->t_min, t_max, s);
+        if (outcome == SAGI_TRIANGLE_OUTSIDE) return false;
+        if (outcome == SAGI_TRIANGLE_SOLVED) {
+            if (!(s->t >= ray->t_min && s->t <= t_max)) return false;
+            *t = s->t;
+            sagi_triangle_confine(s->u, s->v, u, v);
+            return true;
+        }
+    }
+    const sagi_d4 corner[3] = {of->a, of->b, of->c};
+    return sagi_triangle_solve_ray(ray, t_max, corner, t, u, v);
 }
 
 // sagi_triangle_solve_ray, for kernels.
@@ -201,28 +237,16 @@ SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, sagi
                                  .b = b,
                                  .c = c};
     sagi_solve1_step s;
-    sagi_solve1_estimate(&of, &s);
-    if (__builtin_expect(sagi_solve1_usual(&s), 1)) {
-        if (!(s.estimate >= ray->t_min && s.estimate <= t_max) && sagi_solve1_outside(&s, ray->t_min, t_max))
-            return false;
-        sagi_solve1_improve(&of, &s);
-        sagi_solve1_weigh(&of, &s);
-        bool good = sagi_solve1_good(&s);
-        if (!good) { // of rays that are not much longer than the triangle as often as not
-            const sagi_solve1_pair pair = of; // so that the other one need not be in memory
-            sagi_solve1_step full = s;
-            good = sagi_triangle_refine(&pair, &full);
-            s.t = full.t, s.u = full.u, s.v = full.v;
-        }
-        if (__builtin_expect(good, 1)) {
-            if (!(s.t >= ray->t_min && s.t <= t_max)) return false;
-            *t = s.t;
-            sagi_triangle_confine(s.u, s.v, u, v);
-            return true;
-        }
+    sagi_solve1_solve(&of, &s);
+    if (__builtin_expect(!sagi_solve1_good(&s), 0)) { // of rays that are not much longer than the triangle
+        const sagi_solve1_pair pair = of;             // so that the other one need not be in memory
+        sagi_solve1_step step = s;
+        return sagi_triangle_solve_on(ray, t_max, &pair, &step, t, u, v);
     }
-    const sagi_d4 corner[3] = {a, b, c};
-    return sagi_triangle_solve_ray(ray, t_max, corner, t, u, v);
+    if (!(s.t >= ray->t_min && s.t <= t_max)) return false;
+    *t = s.t;
+    sagi_triangle_confine(s.u, s.v, u, v);
+    return true;
 }
 
 // Four rays, each with a triangle that its line pierces.
@@ -265,10 +289,8 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
     of.b = sagi_d4_columns(four->corner[1], &unused);
     of.c = sagi_d4_columns(four->corner[2], &unused);
     sagi_solve4_step s;
-    sagi_solve4_estimate(&of, &s);
-    sagi_solve4_improve(&of, &s);
-    sagi_solve4_weigh(&of, &s);
-    const sagi_l4 good = sagi_solve4_usual(&s) & sagi_solve4_good(&s);
+    sagi_solve4_solve(&of, &s);
+    const sagi_l4 good = sagi_solve4_good(&s);
     const sagi_d4 zero = sagi_d4_fill(0), one = sagi_d4_fill(1);
     four->t = s.t;
     four->u = sagi_d4_min(sagi_d4_max(s.u, zero), one);
