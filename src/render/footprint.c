@@ -7,7 +7,9 @@
 // only where a texture asks for it.
 //
 // With the ray to the point p as the z axis and n the normal there, the next pixel's ray o + t d,
-// d = z + δd, meets the tangent plane n·(x − p) = 0 at t = n·(p − o)/n·d.
+// d = z + δd, meets the tangent plane n·(x − p) = 0 at t = n·(p − o)/n·d. An orthographic camera's rays all
+// go along its own z axis (pbrt turns the frame towards the point there too, and blurs what is off the
+// middle).
 #include "footprint.h"
 
 #include "math/map.h"
@@ -54,6 +56,7 @@ void sagi_footprint_init(sagi_footprint *footprint, const sagi_camera *camera, u
         f->direction_x = shorter(f->direction_x, turned(d, direction_of(f, &right)));
         f->direction_y = shorter(f->direction_y, turned(d, direction_of(f, &below)));
     }
+    f->parallel = camera->camera.kind == SAG_CAMERA_ORTHOGRAPHIC;
     f->scale = samples_per_pixel > 0 ? 1 / sqrt((double)samples_per_pixel) : 1;
     if (f->scale < 0.125) f->scale = 0.125; // pbrt's bound
 }
@@ -79,11 +82,13 @@ void sagi_footprint_at(const sagi_footprint *footprint, sag_vec3 dpdu, sag_vec3 
     spot->dudx = spot->dudy = spot->dvdx = spot->dvdy = 0;
     if (!f->known) return;
     const sag_vec3 p = sagi_affine_point(&f->from_world, spot->position);
-    const double distance = sag_length(p);
-    if (!(distance > 0)) return;
-    const sag_vec3 z = sag_scale(p, 1 / distance);
-    sag_vec3 s, t;
-    sag_frame(z, &s, &t);
+    const double distance = f->parallel ? p.z : sag_length(p);
+    if (!f->parallel && !(distance > 0)) return;
+    sag_vec3 s = {1, 0, 0}, t = {0, 1, 0}, z = {0, 0, 1};
+    if (!f->parallel) {
+        z = sag_scale(p, 1 / distance);
+        sag_frame(z, &s, &t);
+    }
     // A normal goes the other way by the transposed map.
     const double(*m)[4] = f->to_world.m;
     const sag_vec3 n = spot->normal;

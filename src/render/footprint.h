@@ -11,8 +11,9 @@
 typedef struct sagi_footprint {
     sag_affine to_world, from_world;
     sag_vec3 origin_x, origin_y, direction_x, direction_y;
-    double scale; // samples are closer than pixels
-    bool known;   // false: the camera's map has no inverse, all footprints are points
+    double scale;  // samples are closer than pixels
+    bool parallel; // the camera's rays: they are the z axis, wherever the point is
+    bool known;    // false: the camera's map has no inverse, all footprints are points
 } sagi_footprint;
 
 void sagi_footprint_init(sagi_footprint *footprint, const sagi_camera *camera, uint32_t samples_per_pixel);

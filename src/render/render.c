@@ -81,7 +81,9 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     if (status != SAG_OK) return status;
     render->sampler.plan = &render->sampler_plan;
     sagi_wavelength_table_init(&render->wavelengths);
-    render->max_component = film->max_component > 0 ? film->max_component : INFINITY;
+    // Distances are no fireflies.
+    const bool dims = film->max_component > 0 && render->settings.integrator != SAG_INTEGRATOR_DEPTH;
+    render->max_component = dims ? film->max_component : INFINITY;
     render->first_x = bounds.x, render->first_y = bounds.y;
     render->width = bounds.width, render->height = bounds.height;
     render->tiles_x = (render->width + SAGI_TILE_SIZE - 1) / SAGI_TILE_SIZE;

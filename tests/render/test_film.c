@@ -92,6 +92,12 @@ static void bright_samples_are_dimmed(void **state) {
     for (size_t i = 0; i < (size_t)45 * 35 * 3; i++) most = fmaxf(most, image.pixels[i]);
     assert_true(most > 0.1F && most < 0.3F); // of the sensor's components, not the picture's
     sag_image_clear(s.context, &image);
+    // But distances are kept.
+    s.settings->integrator = SAG_INTEGRATOR_DEPTH;
+    image = studio_render(&s, &stats);
+    for (size_t i = 0; i < (size_t)45 * 35 * 3; i++) most = fmaxf(most, image.pixels[i]);
+    assert_true(most > 1);
+    sag_image_clear(s.context, &image);
     studio_close(&s);
 }
 

@@ -169,7 +169,10 @@ static void footprints_are_what_the_next_pixels_see(void **state) {
     lens.lens_radius = 0.1, lens.focal_distance = 40;
     check_footprint(lens, 50, 50, 0.05);
     sag_camera flat = {.kind = SAG_CAMERA_ORTHOGRAPHIC, .to_world = moved, .screen_window = {-2, 2, -2, 2}};
-    check_footprint(flat, 50, 50, 0.05);
+    check_footprint(flat, 50, 50, 1e-9);
+    // Far from the middle too, where the point is seen from aside of where the rays go.
+    flat.screen_window[0] = flat.screen_window[2] = 0, flat.screen_window[1] = flat.screen_window[3] = 400;
+    check_footprint(flat, 95, 90, 1e-9);
     // Scaled cameras are no different.
     sag_camera scaled = narrow;
     const sag_affine twice = sag_affine_scale((sag_vec3){2, 2, 2});

@@ -56,7 +56,8 @@ typedef struct sag_film {
     /// The same in pixels, first and past the last, for what the crop window leaves open; beyond the film
     /// counts as its edge.
     uint32_t pixel_bounds[4];
-    double max_component; ///< a brighter sample is dimmed until its largest component is this; 0: never
+    double max_component; ///< a brighter sample is dimmed until its largest component is this; 0: never.
+                          ///< Distances (SAG_INTEGRATOR_DEPTH) are not
     uint32_t layers;      ///< bits of sag_layer
     bool layers_in_camera_space; ///< positions and normals; else in the scene's space
     char file[512];              ///< the name the scene asks for; may be empty
