@@ -10,6 +10,7 @@
 #   make lint       formatting, static analysis, the project's own rules
 #   make bench      measure building and tracing, beside Embree; BENCH="--help" tells what can be chosen
 #   make bench-solids   the same for solids and exact shapes, beside POV-Ray; SOLIDS="--help" tells what can be chosen
+#   make gallery    render the pictures of README.md and docs, some of them by NAMES="gallery/lights"; all take an hour on two cores
 #   make bench-render   whole pictures beside pbrt-v4's times and pictures; RENDER="--help" tells what can be chosen
 #   make install    to PREFIX (/usr/local), below DESTDIR when that is set
 #   make deps       only install what all of these need
@@ -75,6 +76,10 @@ bench-render: deps-build
 	cmake --build --preset release --target bench-render
 	build/release/bench/bench-render $(RENDER)
 
+NAMES ?=
+gallery: all
+	scripts/gallery.sh $(NAMES)
+
 install: all
 	cmake --install build/release --prefix $(PREFIX)
 
@@ -88,4 +93,4 @@ build/clang: FORCE
 	@cmake --preset release -B $@ -DSAGITTA_WERROR=ON -DSAGITTA_REQUIRE_TESTS=ON -DSAGITTA_BENCH=ON -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ >/dev/null
 FORCE:
 
-.PHONY: all deps deps-build deps-test deps-lint demo check soak check-neon lint bench bench-solids bench-render install clean FORCE
+.PHONY: all deps deps-build deps-test deps-lint demo check soak check-neon lint bench bench-solids bench-render gallery install clean FORCE

@@ -68,6 +68,13 @@ for scene in "$source"/examples/solids/*.pbrt; do
     [ -s err ] && fail "warnings about $scene"
 done
 
+# So do the pictures of the gallery; what other scenes include is no scene.
+for scene in "$source"/examples/showcase.pbrt "$source"/examples/gallery/*/*.pbrt; do
+    case $scene in */stages/* | */soft.pbrt | */edges.pbrt | */hall.pbrt | */room_lit.pbrt | */prism.pbrt) continue ;; esac
+    expect 0 info "$scene"
+    [ -s err ] && fail "warnings about $scene: $(cat err)"
+done
+
 # Without a file: the program itself.
 expect 0 info --json
 has out '"threads":'
