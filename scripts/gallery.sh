@@ -15,7 +15,7 @@ sagitta=build/release/sagitta
 [ "${1-}" = --program ] && { sagitta=$2; shift 2; }
 
 is_part() {
-    case $1 in */stages/* | */stage | */studio | */soft | */edges | */hall | */room_lit | */prism) return 0 ;; esac
+    case $1 in */stages/* | */stage | */studio | */soft | */edges | */hall | */room_lit | */prism | */caustic) return 0 ;; esac
     return 1
 }
 
@@ -23,7 +23,7 @@ render() { # of a name without ending, such as gallery/materials/metals
     scene=examples/$1.pbrt
     [ -f "$scene" ] || { [ -f "examples/$1.gltf" ] && scene=examples/$1.gltf; } || scene=examples/$1.obj
     case $1 in
-    */models/*) options="--size 900x450 --crop 480x210+225+125 --spp 72" ;;
+    */models/*) options="--size 900x450 --crop 480x210+225+125 --spp 40" ;;
     *) options=$(sed -n 's/^# \$ //p' "$scene") ;;
     esac
     mkdir -p "docs/images/$(dirname "$1")"

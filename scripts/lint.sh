@@ -48,6 +48,9 @@ for header in include/sagitta/*.h include/sagitta/*/*.h; do
     END { exit bad }' "$header" >&2 || status=1
 done
 
+echo "== gallery"
+scripts/gallery.sh --check || status=1
+
 echo "== sources"
 tracked 'src/*' 'include/*' 'docs/skeleton/*' 'tools/*' 'tests/*' 'bench/*' 'examples/*.c' 'scripts/*' 'python/*' 'cmake/*' CMakeLists.txt Makefile |
   grep -vE '\.(png|exr|pfm|jpg|ply|npy|csv|pbrt|md|json)$' >"$gcc_build/lint-files"

@@ -67,7 +67,9 @@ void sagi_splat_add(sag_render *render, const sagi_path *path, sag_vec2 place, s
         sagi_film_note_bad(render, path->pixel, path->sampler.sample);
         return;
     }
-    const double most = render->max_component, largest = sagi_rgb_max(value);
+    // A path is one of as many as the picture has pixels, and reaches one of them.
+    const double pixels = (double)render->width * render->height;
+    const double most = render->max_component * pixels, largest = sagi_rgb_max(value);
     if (largest > most) value = sagi_rgb_scale(value, most / largest);
     spread(render, place, value);
     // All around is one longitude after the other: the picture's ends meet.

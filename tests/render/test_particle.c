@@ -276,11 +276,29 @@ static void a_crop_is_as_bright(void **state) {
     studio_close(&s);
 }
 
+// maxcomponentvalue is of what reaches one pixel by one of its samples, not of a path from a lamp, which
+// carries a picture's light: there it left the picture black.
+static void bright_paths_are_no_fireflies(void **state) {
+    (void)state;
+    studio s = furnish(SQUARE);
+    s.settings->integrator = SAG_INTEGRATOR_LIGHTPATH;
+    s.settings->samples_per_pixel = 16;
+    double sums[2] = {0, 0};
+    for (int i = 0; i < 2; i++) {
+        s.settings->film.max_component = i ? 50 : 0;
+        sag_image image = studio_render(&s, NULL);
+        for (uint32_t k = 0; k < SIZE * SIZE * 3; k++) sums[i] += (double)image.pixels[k];
+        sag_image_clear(s.context, &image);
+    }
+    assert_true(sums[0] > 0 && fabs(sums[1] - sums[0]) < 0.01 * sums[0]);
+    studio_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_light_agrees),   cmocka_unit_test(every_camera_agrees),
         cmocka_unit_test(every_surface_agrees), cmocka_unit_test(threads_change_no_bit),
-        cmocka_unit_test(a_crop_is_as_bright),
+        cmocka_unit_test(a_crop_is_as_bright),  cmocka_unit_test(bright_paths_are_no_fireflies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
