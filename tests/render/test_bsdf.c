@@ -258,6 +258,20 @@ static void smooth_glass_splits_light_without_loss(void **state) {
     assert_true(sample.transmission && fabs(sag_dot(sample.wi, outgoing(1)) + 1) < 1e-12);
 }
 
+// pbrt-v4's rule: α below 0.3 is doubled, but stays within 0.1 and 0.3; mirrors are none any more.
+static void regularized_surfaces_are_rough(void **state) {
+    (void)state;
+    static const double alphas[][2] = {{0, 0.1}, {0.02, 0.1}, {0.08, 0.16}, {0.2, 0.3}, {0.5, 0.5}};
+    for (int i = 0; i < 5; i++) {
+        sagi_bsdf bsdf = {.kind = SAG_MATERIAL_CONDUCTOR, .facets = {alphas[i][0], 0.7}, .specular = i == 0};
+        sagi_bsdf_regularize(&bsdf);
+        assert_true(fabs(bsdf.facets.ax - alphas[i][1]) < 1e-15 && bsdf.facets.ay == 0.7 && !bsdf.specular);
+    }
+    sagi_bsdf pane = {.kind = SAG_MATERIAL_THIN_DIELECTRIC, .ior = 1.5, .specular = true};
+    sagi_bsdf_regularize(&pane);
+    assert_true(pane.specular);
+}
+
 // A shading normal that leans does not let light through the surface, nor make black rims.
 static void shading_normals_do_not_leak(void **state) {
     (void)state;
@@ -289,6 +303,7 @@ int main(void) {
         cmocka_unit_test(energy_is_kept),
         cmocka_unit_test(scattering_is_reciprocal),
         cmocka_unit_test(smooth_glass_splits_light_without_loss),
+        cmocka_unit_test(regularized_surfaces_are_rough),
         cmocka_unit_test(shading_normals_do_not_leak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

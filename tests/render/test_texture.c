@@ -148,6 +148,16 @@ static void materials_read_their_inputs(void **state) {
     sag_rgb color = sagi_material_albedo(r.world, &look, &surface, NULL);
     assert_true(bsdf.specular && fabs(color.r - 0.5) < 1e-12 && fabs(color.g - 0.9) < 1e-12 &&
                 color.b < 1e-12);
+    // Under a coat a metal's index is that against the coat.
+    sag_material lacquered = {.kind = SAG_MATERIAL_COATED_CONDUCTOR, .coat_eta.value = {1.6, 1.6, 1.6}};
+    const sag_spectrum eta = {.kind = SAG_SPECTRUM_CONSTANT, .value = 0.4},
+                       k = {.kind = SAG_SPECTRUM_CONSTANT, .value = 3.2};
+    assert_int_equal(sag_world_add_spectrum(r.world, &eta, &lacquered.eta.spectrum), SAG_OK);
+    assert_int_equal(sag_world_add_spectrum(r.world, &k, &lacquered.k.spectrum), SAG_OK);
+    look.look.material = sag_world_add_material(r.world, &lacquered);
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
+    for (int i = 0; i < 4; i++)
+        assert_true(fabsf(bsdf.eta[i] - 0.25F) < 1e-6F && fabsf(bsdf.k[i] - 2) < 1e-5F);
     sag_material air = {.kind = SAG_MATERIAL_INTERFACE};
     look.look.material = sag_world_add_material(r.world, &air);
     assert_false(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
