@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
 #define PI 3.14159265358979323846
 
@@ -95,6 +96,23 @@ static sag_status distant_light(sagi_pbrt *p, double scale) {
 static double luminance(const float *p, uint32_t channels) {
     return channels < 3 ? (double)p[0]
                         : 0.2126 * (double)p[0] + 0.7152 * (double)p[1] + 0.0722 * (double)p[2];
+}
+
+// Exchanges red and blue.
+static void exchange(sag_image *image) {
+    const size_t count = (size_t)image->width * image->height;
+    for (size_t i = 0; image->channels >= 3 && i < count; i++) {
+        float *texel = image->pixels + i * image->channels;
+        const float red = texel[0];
+        texel[0] = texel[2], texel[2] = red;
+    }
+}
+
+static bool is_exr(sagi_params *params) {
+    const sagi_param *param = sagi_params_find(params, "filename", ~0u);
+    if (!param || param->string_count != 1) return false;
+    const sagi_slice name = params->strings[param->first_string];
+    return name.length >= 4 && strncasecmp(name.text + name.length - 4, ".exr", 4) == 0;
 }
 
 // Reads the picture that "filename" names; without that parameter *image stays empty. All numbers are finite.
@@ -188,7 +206,12 @@ static sag_status infinite_light(sagi_pbrt *p, double scale) {
             sag_image_clear(p->context, &light.image);
             return sagi_params_fail(params, NULL, "both \"L\" and \"filename\" are given");
         }
+        // pbrt takes the channels in the order of the file for red, green and blue. In EXR they are in that
+        // of their names.
+        const bool backwards = is_exr(params);
+        if (backwards) exchange(&light.image);
         received = 4 * PI * weighed_luminance(&light.image, upward, NULL);
+        if (backwards) exchange(&light.image);
         // pbrt reckons half of that, and so makes such lights twice as bright as asked for.
         received /= 2;
     }

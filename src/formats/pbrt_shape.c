@@ -3,8 +3,10 @@
 // Meshes are in pbrt_mesh.c.
 //
 // Each shape is checked as it is read, so that an error has its place in the file, and placed by the current
-// transform. Sides: the scene keeps outside outside under mirroring maps, which is what pbrt's "swaps
-// handedness" does for a normal made by a cross product; so ReverseOrientation alone turns the front.
+// transform. Sides: the scene keeps outside outside under mirroring maps. So does pbrt with meshes, whose
+// normals it makes in the scene's space, by a cross product that its "swaps handedness" turns back. Quadrics'
+// normals it makes in their own space and takes along by the inverse transposed, which needs no turning, but
+// turns them all the same: a mirrored sphere's front is inside. Scenes are made to look right that way.
 #include "formats/pbrt_shape.h"
 #include "math/elementary.h"
 
@@ -51,10 +53,18 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p) {
     return factor * factor;
 }
 
+// Whether pbrt turns the shape's front: ReverseOrientation, and mirrored quadrics (see above) but in solids,
+// which have an inside.
+static bool is_turned(const sagi_pbrt *p, sag_shape_kind kind) {
+    const bool is_quadric = kind == SAG_SHAPE_SPHERE || kind == SAG_SHAPE_DISK || kind == SAG_SHAPE_CYLINDER;
+    const sag_affine now = sagi_pbrt_transform_now(p);
+    const bool mirrored = is_quadric && !p->solid.scene && sag_affine_determinant(&now) < 0;
+    return p->state.reverse_orientation != mirrored;
+}
+
 // Material, alpha and light of the shape being read.
 static sag_appearance look_of(sagi_pbrt *p, sag_shape_kind kind, double area) {
-    sag_appearance look = {
-        .material = p->state.material, .flip = p->state.reverse_orientation, .square_uv = true};
+    sag_appearance look = {.material = p->state.material, .flip = is_turned(p, kind), .square_uv = true};
     if (p->state.inside) look.inside = p->media[p->state.inside - 1].id;
     if (p->state.outside) look.outside = p->media[p->state.outside - 1].id;
     if (p->corner_uv) look.has_uv = true, memcpy(look.uv, p->corner_uv, sizeof look.uv);

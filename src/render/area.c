@@ -163,7 +163,9 @@ static bool sample_ball(const sagi_areas *areas, uint32_t index, double cone, co
     const double distance = sag_length(d);
     *wi = sag_scale(d, 1 / distance);
     *pdf = 1 / (2 * SAGI_RENDER_PI * cone);
-    if (group->depth > 0)
+    // A ball's point alone has no texture coordinates.
+    const sag_appearance *look = &sagi_area_appearance(areas, index)->look;
+    if (group->depth > 0 || look->emission_texture || look->alpha.texture)
         sagi_area_meet(areas, group, surface->primitive, from->position, *wi, distance, (sag_vec2){0, 0},
                        surface);
     return distance > 0 && isfinite(*pdf);

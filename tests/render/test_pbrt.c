@@ -307,6 +307,39 @@ static void test_mirrored_meshes_keep_their_front(void **state) {
     }
 }
 
+// pbrt turns the front of a mirrored sphere, disk or cylinder inwards (checked against its pictures: a
+// mirrored ball of glass is a bubble in glass), but not within solids.
+static void test_mirrored_quadrics_are_turned(void **state) {
+    (void)state;
+    static const char *const shapes[] = {"sphere", "disk", "cylinder"};
+    static const char *const maps[] = {"", "Scale -1 1 1", "Scale -1 -1 1",
+                                       "Scale -2 1 1 ReverseOrientation"};
+    for (size_t k = 0; k < 3; k++)
+        for (size_t i = 0; i < 4; i++) {
+            char text[512];
+            snprintf(text, sizeof text, W "%s Translate 0 0 0.5 Rotate 45 1 0 0 Shape \"%s\"", maps[i],
+                     shapes[k]);
+            sag_world *world = scene_load_good(text);
+            const sag_ray ray = sag_ray_make(sag_vec3_make(0, 0, 5), sag_vec3_make(0, 0, -1));
+            sag_hit hit;
+            sag_surface surface;
+            assert_true(sag_intersect(sag_world_scene(world), &ray, &hit));
+            sag_surface_at(sag_world_scene(world), &ray, &hit, &surface);
+            sagi_orient(sagi_appearance_of(world, &surface), &surface);
+            assert_true((surface.geometric_normal.z > 0) == (i != 1));
+            sag_world_destroy(world);
+        }
+    sag_world *world = scene_load_good(W "Scale -1 1 1 SolidBegin \"union\" Shape \"sphere\" SolidEnd");
+    const sag_ray ray = sag_ray_make(sag_vec3_make(0, 0, 5), sag_vec3_make(0, 0, -1));
+    sag_hit hit;
+    sag_surface surface;
+    assert_true(sag_intersect(sag_world_scene(world), &ray, &hit));
+    sag_surface_at(sag_world_scene(world), &ray, &hit, &surface);
+    sagi_orient(sagi_appearance_of(world, &surface), &surface);
+    assert_true(surface.geometric_normal.z > 0.999);
+    sag_world_destroy(world);
+}
+
 static void test_objects_and_attributes(void **state) {
     (void)state;
     sag_world *world = scene_load_good(
@@ -465,6 +498,7 @@ int main(void) {
         cmocka_unit_test(test_surface),
         cmocka_unit_test(test_corner_uv),
         cmocka_unit_test(test_mirrored_meshes_keep_their_front),
+        cmocka_unit_test(test_mirrored_quadrics_are_turned),
         cmocka_unit_test(test_objects_and_attributes),
         cmocka_unit_test(test_lights_and_materials),
         cmocka_unit_test(test_shared_scenes),

@@ -84,6 +84,29 @@ static void test_illuminance_of_a_picture(void **state) {
     sag_world_destroy(world);
 }
 
+// pbrt weighs an EXR's channels by their luminance in the order of their names, B G R: red counts for blue.
+static void test_illuminance_of_an_exr_picture_counts_red_for_blue(void **state) {
+    (void)state;
+    sag_image image;
+    sag_error error;
+    double scale[2];
+    assert_int_equal(sag_image_create(scene_context, 16, 16, 3, &image, &error), SAG_OK);
+    for (size_t i = 0; i < 256; i++) image.pixels[3 * i] = 2;
+    for (int k = 0; k < 2; k++) {
+        const char *const name = k ? "red.EXR" : "red.pfm";
+        char text[200];
+        assert_int_equal(sag_image_write(scene_context, &image, scene_path(name), &error), SAG_OK);
+        snprintf(text, sizeof text,
+                 W "LightSource \"infinite\" \"string filename\" \"%s\" \"float illuminance\" 7\n", name);
+        sag_world *world = scene_load_good(text);
+        scale[k] = light_of(world, 0)->color.g;
+        assert_true(light_of(world, 0)->image.pixels[0] == 2 && light_of(world, 0)->image.pixels[2] == 0);
+        sag_world_destroy(world);
+    }
+    near(scale[1] / scale[0], 0.2126 / 0.0722);
+    sag_image_clear(scene_context, &image);
+}
+
 static void test_places(void **state) {
     (void)state;
     sag_world *world =
@@ -179,8 +202,11 @@ static int setup(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_power),         cmocka_unit_test(test_illuminance_of_a_picture),
-        cmocka_unit_test(test_places),        cmocka_unit_test(test_area_lights),
+        cmocka_unit_test(test_power),
+        cmocka_unit_test(test_illuminance_of_a_picture),
+        cmocka_unit_test(test_illuminance_of_an_exr_picture_counts_red_for_blue),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_area_lights),
         cmocka_unit_test(test_what_is_wrong),
     };
     return cmocka_run_group_tests(tests, setup, scene_teardown);
