@@ -63,9 +63,9 @@ static double tabulate(const sag_film *film, double radius, sagi_filter_curve *c
         curve->negative[i] = sum < 0;
     }
     for (int i = 1; i <= SAGI_FILTER_CELLS; i++) curve->cdf[i] /= absolute;
-    for (int i = 0, cell = 0; i < SAGI_FILTER_CELLS; i++) {
-        while (cell < SAGI_FILTER_CELLS - 1 && curve->cdf[cell + 1] <= (double)i / SAGI_FILTER_CELLS) cell++;
-        curve->guide[i] = (uint16_t)cell;
+    for (int i = 0, cell = 0; i < SAGI_FILTER_SLOTS; i++) {
+        while (cell < SAGI_FILTER_CELLS - 1 && curve->cdf[cell + 1] <= (double)i / SAGI_FILTER_SLOTS) cell++;
+        curve->guide[i] = (uint8_t)cell;
     }
     return total / absolute;
 }
@@ -110,15 +110,15 @@ sag_status sagi_filter_init(sagi_filter *filter, const sag_film *film, sag_error
 // A point of [−radius, radius]; *weight changes its sign where the curve is negative.
 static double draw(const sagi_filter_curve *curve, double radius, double u, double *weight) {
     // Each half has half of the numbers.
-    const double v = u < 0.5 ? 1 - 2 * u : 2 * u - 1;
-    const int slot = (int)(v * SAGI_FILTER_CELLS);
-    uint32_t cell = curve->guide[slot < SAGI_FILTER_CELLS ? slot : SAGI_FILTER_CELLS - 1];
+    const double v = fabs(2 * u - 1);
+    const int slot = (int)(v * SAGI_FILTER_SLOTS);
+    uint32_t cell = curve->guide[slot < SAGI_FILTER_SLOTS ? slot : SAGI_FILTER_SLOTS - 1];
     while (cell < SAGI_FILTER_CELLS - 1 && curve->cdf[cell + 1] <= v) cell++;
-    const double share = curve->cdf[cell + 1] - curve->cdf[cell];
-    const double within = share > 0 ? (v - curve->cdf[cell]) / share : 0.5;
-    const double x = radius * (cell + fmin(within, 1)) / SAGI_FILTER_CELLS;
+    const double below = curve->cdf[cell], share = curve->cdf[cell + 1] - below;
+    const double within = share > 0 ? (v - below) / share : 0.5;
+    const double x = radius * (cell + (within < 1 ? within : 1)) * (1.0 / SAGI_FILTER_CELLS);
     if (curve->negative[cell]) *weight = -*weight;
-    return u < 0.5 ? -x : x;
+    return copysign(x, u - 0.5);
 }
 
 sagi_filter_sample sagi_filter_draw(const sagi_filter *filter, sag_vec2 u) {

@@ -6,11 +6,13 @@
 #include "color.h"
 
 #define SAGI_FILTER_CELLS 256
+// Equal parts of the distribution function, so many that most lie within a cell: then it is found at once.
+#define SAGI_FILTER_SLOTS 1024
 
 // One half of a curve f over [0, radius] in cells of equal width, drawn from by |∫f| over each.
 typedef struct sagi_filter_curve {
     double cdf[SAGI_FILTER_CELLS + 1]; // from 0 to 1
-    uint16_t guide[SAGI_FILTER_CELLS]; // the cell that the number i/SAGI_FILTER_CELLS falls into
+    uint8_t guide[SAGI_FILTER_SLOTS];  // the cell that the number i/SAGI_FILTER_SLOTS falls into
     bool negative[SAGI_FILTER_CELLS];  // the cell's integral
 } sagi_filter_curve;
 

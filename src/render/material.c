@@ -4,15 +4,6 @@
 #include "fresnel.h"
 #include "math/hash.h"
 
-void sagi_orient(const sagi_appearance *appearance, sag_surface *surface) {
-    if (sag_dot(surface->geometric_normal, surface->shading_normal) < 0)
-        surface->geometric_normal = sag_neg(surface->geometric_normal);
-    if (appearance && appearance->look.flip) {
-        surface->geometric_normal = sag_neg(surface->geometric_normal);
-        surface->shading_normal = sag_neg(surface->shading_normal);
-    }
-}
-
 static sagi_microfacet read_facets(const sag_world *world, const sag_input *u, const sag_input *v,
                                    bool is_root, const sagi_spot *at) {
     double ax = sagi_input_number(world, u, at);

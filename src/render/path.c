@@ -18,6 +18,7 @@ static void add(sagi_path *p, sagi_spectrum light) { p->radiance += p->weight * 
 
 // Light of the surface the path came to by itself.
 static void add_emission(const sagi_lights *lights, sagi_path *p, sag_vec3 wo, const sagi_meeting *m) {
+    if (!m->appearance || !(m->appearance->brightness > 0)) return;
     sagi_spectrum emission = sagi_emission(m->appearance, &m->surface, wo, p->wavelengths.lambda);
     if (sagi_spectrum_is_black(emission)) return;
     if (!p->exact) {

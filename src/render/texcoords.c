@@ -5,8 +5,7 @@
 // they also say how the surface lies.
 #include "world.h"
 
-void sagi_replace_texcoords(const sagi_appearance *appearance, sag_surface *surface) {
-    if (!appearance) return;
+void sagi_given_texcoords(const sagi_appearance *appearance, sag_surface *surface) {
     if (appearance->square_uv) { // corners at (0, 0), (1, 0), (1, 1)
         surface->u += surface->v;
         surface->dpdv = sag_sub(surface->dpdv, surface->dpdu);

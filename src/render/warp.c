@@ -11,13 +11,12 @@ typedef int64_t pair_mask __attribute__((vector_size(16)));
 // { sine, cosine } of |x| ≤ π/4, to 2⁻⁴⁵: Taylor's series.
 static inline pair small_sincos(double x) {
     const double z = x * x;
-    pair p = {1.0 / 6227020800, 1.0 / 479001600};
-    p = p * z + (pair){-1.0 / 39916800, -1.0 / 3628800};
-    p = p * z + (pair){1.0 / 362880, 1.0 / 40320};
-    p = p * z + (pair){-1.0 / 5040, -1.0 / 720};
-    p = p * z + (pair){1.0 / 120, 1.0 / 24};
-    p = p * z + (pair){-1.0 / 6, -1.0 / 2};
-    return (p * z + 1) * (pair){x, 1};
+    const double z2 = z * z;
+    const pair c6 = {1.0 / 6227020800, 1.0 / 479001600};
+    const pair c45 = (pair){1.0 / 362880, 1.0 / 40320} + z * (pair){-1.0 / 39916800, -1.0 / 3628800};
+    const pair c23 = (pair){1.0 / 120, 1.0 / 24} + z * (pair){-1.0 / 5040, -1.0 / 720};
+    const pair c01 = 1 + z * (pair){-1.0 / 6, -1.0 / 2};
+    return (c01 + z2 * (c23 + z2 * (c45 + z2 * c6))) * (pair){x, 1}; // few steps one after the other
 }
 
 // The angle is π/4 b/a, or π/2 − π/4 a/b where |b| is the larger: then sine and cosine change places. Which

@@ -133,8 +133,19 @@ static inline const sagi_appearance *sagi_appearance_of(const sag_world *world, 
 }
 
 // Gives the surface the texture coordinates that its appearance (or NULL) has instead: given, or pbrt's.
-void sagi_replace_texcoords(const sagi_appearance *appearance, sag_surface *surface);
+void sagi_given_texcoords(const sagi_appearance *appearance, sag_surface *surface);
+static inline void sagi_replace_texcoords(const sagi_appearance *appearance, sag_surface *surface) {
+    if (appearance && (appearance->square_uv || appearance->look.has_uv))
+        sagi_given_texcoords(appearance, surface);
+}
 // Turns the normals to the front: the shading normal's side, then the appearance's flip.
-void sagi_orient(const sagi_appearance *appearance, sag_surface *surface);
+static inline void sagi_orient(const sagi_appearance *appearance, sag_surface *surface) {
+    if (sag_dot(surface->geometric_normal, surface->shading_normal) < 0)
+        surface->geometric_normal = sag_neg(surface->geometric_normal);
+    if (appearance && appearance->look.flip) {
+        surface->geometric_normal = sag_neg(surface->geometric_normal);
+        surface->shading_normal = sag_neg(surface->shading_normal);
+    }
+}
 
 #endif
