@@ -46,6 +46,15 @@ typedef struct sagi_bsdf_sample {
     double eta; // of a transmission: the ratio of indices as the path crosses, else 1
 } sagi_bsdf_sample;
 
+// What all kinds have, of the default material. (To clear the whole of it takes longer than one thinks.)
+static inline void sagi_bsdf_begin(sagi_bsdf *bsdf) {
+    bsdf->kind = SAG_MATERIAL_DIFFUSE;
+    bsdf->color = (sagi_spectrum){0.5F, 0.5F, 0.5F, 0.5F};
+    bsdf->ior = 1.5;
+    bsdf->facets = bsdf->coat = (sagi_microfacet){0, 0};
+    bsdf->rough_share = NULL;
+    bsdf->specular = bsdf->dispersed = bsdf->layered = false;
+}
 // Sets the frame and what belongs to it. `tangent` gives the direction of the frame's s where that matters.
 static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading,
                                        sag_vec3 tangent, sag_vec3 wo) {

@@ -167,36 +167,19 @@ static sagi_shading_frame shading_frame(const sag_world *world, const sag_materi
     return sagi_plain_frame(surface);
 }
 
-// What all kinds have: the default material. (All that is there is 300 bytes, too many to clear for nothing.)
-static void begin(sagi_bsdf *bsdf) {
-    bsdf->kind = SAG_MATERIAL_DIFFUSE;
-    bsdf->color = (sagi_spectrum){0.5F, 0.5F, 0.5F, 0.5F};
-    bsdf->ior = 1.5;
-    bsdf->facets = bsdf->coat = (sagi_microfacet){0, 0};
-    bsdf->rough_share = NULL;
-    bsdf->specular = bsdf->dispersed = bsdf->layered = false;
-}
-
-bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
-                            const sag_surface *surface, const sagi_footprint *footprint, sag_vec3 wo,
-                            sagi_spectrum lambda, sagi_bsdf *bsdf) {
-    begin(bsdf);
-    const uint32_t id = appearance ? appearance->look.material : 0;
-    if (id != 0) {
-        const sagi_material *entry = (const sagi_material *)world->materials.items + (id - 1);
-        if (entry->material.kind == SAG_MATERIAL_MIX) entry = chosen(world, entry, surface, footprint, wo);
-        bsdf->kind = entry->material.kind;
-        if (bsdf->kind == SAG_MATERIAL_INTERFACE) return false;
-        sagi_spot at;
-        find_spot(entry, surface, footprint, &at);
-        read_material(world, entry, &at, lambda, bsdf);
-        if (entry->bent) {
-            const sagi_shading_frame frame = shading_frame(world, &entry->material, surface, &at);
-            sagi_bsdf_set_frame(bsdf, surface->geometric_normal, frame.normal, frame.tangent, wo);
-            return true;
-        }
-    }
-    sagi_bsdf_set_frame(bsdf, surface->geometric_normal, surface->shading_normal, surface->dpdu, wo);
+bool sagi_material_look_up(const sag_world *world, const sagi_material *entry, const sag_surface *surface,
+                           const sagi_footprint *footprint, sag_vec3 wo, sagi_spectrum lambda,
+                           sagi_bsdf *bsdf) {
+    sagi_bsdf_begin(bsdf);
+    if (entry->material.kind == SAG_MATERIAL_MIX) entry = chosen(world, entry, surface, footprint, wo);
+    bsdf->kind = entry->material.kind;
+    if (bsdf->kind == SAG_MATERIAL_INTERFACE) return false;
+    sagi_spot at;
+    find_spot(entry, surface, footprint, &at);
+    read_material(world, entry, &at, lambda, bsdf);
+    sagi_shading_frame frame = sagi_plain_frame(surface);
+    if (entry->bent) frame = shading_frame(world, &entry->material, surface, &at);
+    sagi_bsdf_set_frame(bsdf, surface->geometric_normal, frame.normal, frame.tangent, wo);
     return true;
 }
 

@@ -227,31 +227,42 @@ static inline sagi_u4 scramble4(sagi_u4 x, sagi_u4 seed) {
     return x;
 }
 
-// The numbers of Sobol's point in four dimensions of its own: the sums of the columns of the index's ones,
-// eight columns at a time. Four bytes at least are the pixel's.
-static void make_ready(sagi_sampler *sampler, uint32_t block) {
-    const sagi_sampler_plan *plan = sampler->plan;
-    const sagi_u4(*sums)[256] = plan->sums[block];
-    uint64_t index = sampler->true_index;
+// The sums of the columns of the index's ones in four dimensions, eight columns at a time. Four bytes at
+// least are the pixel's.
+static inline sagi_u4 sums_of(const sagi_u4 (*sums)[256], uint64_t index) {
     sagi_u4 x = sums[0][index & 255] ^ sums[1][index >> 8 & 255] ^ sums[2][index >> 16 & 255] ^
                 sums[3][index >> 24 & 255];
     for (index >>= 32, sums += 4; index != 0; index >>= 8) x ^= (*sums++)[index & 255];
-    const sagi_u4 seed = plan->scrambles[block];
-    if (plan->randomization == SAG_RANDOMIZATION_FAST_OWEN)
-        x = scramble4(x, seed);
+    return x;
+}
+
+static sagi_u4 scramble_slowly(sag_randomization way, sagi_u4 x, sagi_u4 seed) {
+    for (int i = 0; i < 4; i++) x[i] = scramble(way, x[i], seed[i]);
+    return x;
+}
+
+// The numbers of Sobol's point in eight dimensions of its own. (Two of one are under way at a time.)
+static void make_ready(sagi_sampler *sampler, uint32_t block) {
+    const sagi_sampler_plan *plan = sampler->plan;
+    const uint64_t index = sampler->true_index;
+    const sag_randomization way = plan->randomization;
+    const sagi_u4 *seed = &plan->scrambles[2 * block];
+    sagi_u4 x = sums_of(plan->sums[2 * block], index), y = sums_of(plan->sums[2 * block + 1], index);
+    if (way == SAG_RANDOMIZATION_FAST_OWEN)
+        x = scramble4(x, seed[0]), y = scramble4(y, seed[1]);
     else
-        for (int i = 0; i < 4; i++) x[i] = scramble(plan->randomization, x[i], seed[i]);
-    sampler->ready = reverse4(x);
+        x = scramble_slowly(way, x, seed[0]), y = scramble_slowly(way, y, seed[1]);
+    sampler->ready[0] = reverse4(x), sampler->ready[1] = reverse4(y);
     sampler->ready_block = block;
 }
 
 // Whether the next number is of a dimension of its own; then it is made ready.
 static bool is_ready(sagi_sampler *sampler) {
     if (sampler->plan->kind != SAG_SAMPLER_SOBOL || sampler->dimension >= SAGI_SOBOL_DIMENSIONS) return false;
-    if (sampler->ready_block != sampler->dimension / 4) make_ready(sampler, sampler->dimension / 4);
+    if (sampler->ready_block != sampler->dimension / 8) make_ready(sampler, sampler->dimension / 8);
     return true;
 }
-_Static_assert(SAGI_SOBOL_DIMENSIONS % 4 == 0 && SAGI_SOBOL_DIMENSIONS <= SAGI_SEEDED_DIMENSIONS,
+_Static_assert(SAGI_SOBOL_DIMENSIONS % 8 == 0 && SAGI_SOBOL_DIMENSIONS <= SAGI_SEEDED_DIMENSIONS,
                "whole blocks, with seeds");
 
 double sagi_sampler_draw_1d(sagi_sampler *sampler) {

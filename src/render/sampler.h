@@ -36,7 +36,7 @@ typedef struct sagi_sampler_plan {
 } sagi_sampler_plan;
 
 typedef struct sagi_sampler {
-    sagi_u4 ready; // Sobol': this sample's numbers 4 ready_block … + 3, in 2⁻³²
+    sagi_u4 ready[2]; // Sobol': this sample's numbers 8 ready_block … + 7, in 2⁻³²
     const sagi_sampler_plan *plan;
     uint64_t key;        // of the pixel: a hash; Z-order: where it stands; Halton: its first sample's index
     uint64_t index;      // of the sample among the sequence's points (reversed, but for Halton)
@@ -67,21 +67,23 @@ double sagi_sampler_draw_1d(sagi_sampler *sampler);
 sag_vec2 sagi_sampler_draw_2d(sagi_sampler *sampler);
 // The same, quick where the numbers are ready.
 static inline double sagi_unit_of(uint64_t bits) { return (double)(int64_t)bits * 0x1p-32; }
+static inline uint32_t sagi_sampler_ready(const sagi_sampler *sampler, uint32_t dimension) {
+    uint32_t number;
+    memcpy(&number, (const char *)&sampler->ready + (dimension & 7) * sizeof number, sizeof number);
+    return number;
+}
 static inline double sagi_sampler_1d(sagi_sampler *sampler) {
     const uint32_t d = sampler->dimension;
-    if (d >> 2 != sampler->ready_block) return sagi_sampler_draw_1d(sampler);
+    if (d >> 3 != sampler->ready_block) return sagi_sampler_draw_1d(sampler);
     sampler->dimension = d + 1;
-    uint32_t ready[4];
-    memcpy(ready, &sampler->ready, sizeof ready);
-    return sagi_unit_of(ready[d & 3]);
+    return sagi_unit_of(sagi_sampler_ready(sampler, d));
 }
 static inline sag_vec2 sagi_sampler_2d(sagi_sampler *sampler) {
     const uint32_t d = sampler->dimension;
-    if (d >> 2 != sampler->ready_block || (d & 3) == 3) return sagi_sampler_draw_2d(sampler);
+    if (d >> 3 != sampler->ready_block || (d & 7) == 7) return sagi_sampler_draw_2d(sampler);
     sampler->dimension = d + 2;
-    uint32_t ready[4];
-    memcpy(ready, &sampler->ready, sizeof ready);
-    return (sag_vec2){sagi_unit_of(ready[d & 3]), sagi_unit_of(ready[(d & 3) + 1])};
+    return (sag_vec2){sagi_unit_of(sagi_sampler_ready(sampler, d)),
+                      sagi_unit_of(sagi_sampler_ready(sampler, d + 1))};
 }
 // The pair that chooses the point of the pixel: once in a sample.
 sag_vec2 sagi_sampler_pixel(sagi_sampler *sampler);

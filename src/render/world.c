@@ -218,6 +218,7 @@ uint32_t sag_world_add_material(sag_world *world, const sag_material *material) 
                        material->kind == SAG_MATERIAL_COATED_CONDUCTOR;
     slot->wants_footprint = wants_footprint;
     slot->bent = material->normal_map != 0 || material->displacement.texture != 0;
+    slot->plain = material->kind == SAG_MATERIAL_DIFFUSE && !slot->wants_spot && !slot->bent;
     prepare_material(world, slot);
     world->materials.count++;
     return (uint32_t)world->materials.count;

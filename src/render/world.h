@@ -37,6 +37,7 @@ typedef struct sagi_material {
     float rough_share[SAGI_COAT_STEPS]; // of a rough coat, where has_shares
     bool wants_spot;                    // it has textures, or what it does follows from the place
     bool wants_footprint;               // of one of its textures
+    bool plain;                         // diffuse, of one colour
     bool bent;                          // its shading frame is not the surface's own
 } sagi_material;
 
@@ -109,11 +110,24 @@ bool sagi_texture_set(sag_world *world, sag_texture_id id, const sag_texture *te
 sag_texture_id sagi_textures_settle(sag_world *world);
 uint32_t sagi_material_reserve(sag_world *world);
 bool sagi_material_set(sag_world *world, uint32_t id, const sag_material *material);
+// sagi_material_evaluate for any material.
+bool sagi_material_look_up(const sag_world *world, const sagi_material *entry, const sag_surface *surface,
+                           const sagi_footprint *footprint, sag_vec3 wo, sagi_spectrum lambda,
+                           sagi_bsdf *bsdf);
 // What the material of a surface (appearance 0: the default) scatters there; with the pixel's footprint, or
 // NULL: textures are looked up at points. False: nothing is there (interface).
-bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
-                            const sag_surface *surface, const sagi_footprint *footprint, sag_vec3 wo,
-                            sagi_spectrum lambda, sagi_bsdf *bsdf);
+static inline bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
+                                          const sag_surface *surface, const sagi_footprint *footprint,
+                                          sag_vec3 wo, sagi_spectrum lambda, sagi_bsdf *bsdf) {
+    const uint32_t id = appearance ? appearance->look.material : 0;
+    const sagi_material *entry = id ? (const sagi_material *)world->materials.items + (id - 1) : NULL;
+    if (entry && !entry->plain)
+        return sagi_material_look_up(world, entry, surface, footprint, wo, lambda, bsdf);
+    sagi_bsdf_begin(bsdf);
+    if (entry) bsdf->color = sagi_spectrum_clamp(sagi_color_at(&entry->reflectance, lambda));
+    sagi_bsdf_set_frame(bsdf, surface->geometric_normal, surface->shading_normal, surface->dpdu, wo);
+    return true;
+}
 // What the albedo integrator shows: the colour of the surface, without the noise of wavelengths.
 sag_rgb sagi_material_albedo(const sag_world *world, const sagi_appearance *appearance,
                              const sag_surface *surface, const sagi_footprint *footprint);
