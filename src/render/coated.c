@@ -30,10 +30,19 @@ void sagi_coated_prepare(sagi_bsdf *bsdf) {
     bsdf->base = bsdf->color * bounces_sum(bsdf->color * (float)bsdf->inner_mean, bsdf->bounces);
 }
 
+// exp x for x ≤ 0, most often near 0, where Taylor's series is good to 2⁻⁵³.
+static inline double decay(double x) {
+    if (!(x > -0.0625)) return sagi_exp(x);
+    const double x2 = x * x, x4 = x2 * x2;
+    const double low = (1 + x) + x2 * (1.0 / 2 + x * (1.0 / 6));
+    const double high = (1.0 / 24 + x * (1.0 / 120)) + x2 * (1.0 / 720 + x * (1.0 / 5040));
+    return low + x4 * (high + x4 * (1.0 / 40320));
+}
+
 double sagi_coat_transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
     if (!(bsdf->thickness > 0)) return 1 - reflectance;
-    double inside = sqrt(1 - fmin(1, 1 - w.z * w.z) / (bsdf->ior * bsdf->ior));
-    return (1 - reflectance) * sagi_exp(-bsdf->thickness / inside);
+    const double sine2 = 1 - w.z * w.z, inside = sqrt(1 - (sine2 < 1 ? sine2 : 1) / (bsdf->ior * bsdf->ior));
+    return (1 - reflectance) * decay(-bsdf->thickness / inside);
 }
 
 // The same of a rough one.
@@ -44,7 +53,7 @@ static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectanc
     const int i = x < SAGI_COAT_STEPS - 2 ? (int)x : SAGI_COAT_STEPS - 2;
     const double share =
         (double)bsdf->rough_share[i] * (1 - (x - i)) + (double)bsdf->rough_share[i + 1] * (x - i);
-    return fmin(smooth * share, 1);
+    return smooth * share < 1 ? smooth * share : 1;
 }
 
 static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
@@ -63,11 +72,11 @@ static sagi_spectrum eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi
     const sagi_spectrum value = bsdf->base * (float)(through * wi.z * SAGI_INV_PI);
     *pdf = (1 - coat) * wi.z * SAGI_INV_PI;
     if (!(bsdf->facets.ax > 0)) return value;
-    sag_vec3 m = sag_normalize(sag_add(wo, wi));
-    double cos_m = sag_dot(wo, m);
-    double facets = sagi_microfacet_d(bsdf->facets, m) * sagi_microfacet_g(bsdf->facets, wo, wi) / (4 * wo.z);
-    *pdf += coat * sagi_microfacet_pdf(bsdf->facets, wo, m) / (4 * cos_m);
-    return value + (float)(facets * sagi_fresnel_dielectric(cos_m, bsdf->ior));
+    const sag_vec3 m = sagi_normalize(sag_add(wo, wi));
+    double density;
+    const double facets = sagi_microfacet_value(bsdf->facets, wo, wi, m, &density) / (4 * wo.z);
+    *pdf += coat * density / 4;
+    return value + (float)(facets * sagi_fresnel_dielectric(sag_dot(wo, m), bsdf->ior));
 }
 
 sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {

@@ -7,14 +7,14 @@
 sagi_spectrum sagi_conductor_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
     sag_vec3 wo = bsdf->wo;
     if (!(wi.z * wo.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
-    sag_vec3 m = sag_normalize(sag_add(wo, wi));
+    sag_vec3 m = sagi_normalize(sag_add(wo, wi));
     if (m.z < 0) m = sag_neg(m);
     if (!(m.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
-    double cos_m = fabs(sag_dot(wo, m));
-    *pdf = sagi_microfacet_pdf(bsdf->facets, wo, m) / (4 * cos_m);
-    double scale =
-        sagi_microfacet_d(bsdf->facets, m) * sagi_microfacet_g(bsdf->facets, wo, wi) / (4 * fabs(wo.z));
-    return sagi_fresnel_conductor_spectrum(cos_m, bsdf->eta, bsdf->k) * (float)scale;
+    double density;
+    const double value = sagi_microfacet_value(bsdf->facets, wo, wi, m, &density);
+    *pdf = density / 4;
+    return sagi_fresnel_conductor_spectrum(fabs(sag_dot(wo, m)), bsdf->eta, bsdf->k) *
+           (float)(value / (4 * fabs(wo.z)));
 }
 
 bool sagi_conductor_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *sample) {
@@ -28,11 +28,12 @@ bool sagi_conductor_sample(const sagi_bsdf *bsdf, sag_vec2 u, sagi_bsdf_sample *
     sag_vec3 m = sagi_microfacet_sample(bsdf->facets, wo, u);
     sag_vec3 wi = sag_madd(sag_neg(wo), 2 * sag_dot(wo, m), m);
     if (!(wi.z * wo.z > 0)) return false;
-    double cos_m = fabs(sag_dot(wo, m));
+    double density;
+    const double value = sagi_microfacet_value(bsdf->facets, wo, wi, m, &density);
     sample->wi = wi;
-    sample->pdf = sagi_microfacet_pdf(bsdf->facets, wo, m) / (4 * cos_m);
-    // f |cos θi|/pdf = F G/G1: everything else cancels.
-    double ratio = sagi_microfacet_g(bsdf->facets, wo, wi) / sagi_microfacet_g1(bsdf->facets, wo);
-    sample->weight = sagi_fresnel_conductor_spectrum(cos_m, bsdf->eta, bsdf->k) * (float)ratio;
+    sample->pdf = density / 4;
+    // f |cos θi|/pdf = F D G/(4 |cos θo|)/pdf
+    const double ratio = value / (fabs(wo.z) * density);
+    sample->weight = sagi_fresnel_conductor_spectrum(fabs(sag_dot(wo, m)), bsdf->eta, bsdf->k) * (float)ratio;
     return true;
 }

@@ -16,14 +16,14 @@ static double facet_value(const sagi_bsdf *bsdf, sag_vec3 wi, sag_vec3 m, bool r
     // Facets seen from behind are in the shade of others.
     if (!(cos_i * wi.z > 0) || !(cos_o * wo.z > 0)) return 0;
     double reflectance = sagi_fresnel_dielectric(cos_o, bsdf->ior);
-    double common = sagi_microfacet_d(bsdf->facets, m) * sagi_microfacet_g(bsdf->facets, wo, wi);
-    double facet_pdf = sagi_microfacet_pdf(bsdf->facets, wo, m);
+    double density;
+    const double common = sagi_microfacet_value(bsdf->facets, wo, wi, m, &density);
     if (reflected) {
-        *pdf = facet_pdf / (4 * fabs(cos_o)) * reflectance;
+        *pdf = density / 4 * reflectance;
         return common * reflectance / (4 * fabs(wo.z));
     }
     double q = sagi_square(cos_i + cos_o / eta);
-    *pdf = facet_pdf * fabs(cos_i) / q * (1 - reflectance);
+    *pdf = density * fabs(cos_o * cos_i) / q * (1 - reflectance);
     return common * (1 - reflectance) * fabs(cos_i * cos_o / (wo.z * q)) / (eta * eta);
 }
 
@@ -31,7 +31,7 @@ sagi_spectrum sagi_dielectric_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *p
     sag_vec3 wo = bsdf->wo;
     bool reflected = wi.z * wo.z > 0;
     double eta = reflected ? 1 : wo.z > 0 ? bsdf->ior : 1 / bsdf->ior;
-    sag_vec3 m = sag_normalize(sag_madd(wo, eta, wi));
+    sag_vec3 m = sagi_normalize(sag_madd(wo, eta, wi));
     if (m.z < 0) m = sag_neg(m);
     if (!(m.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
     return sagi_spectrum_all(facet_value(bsdf, wi, m, reflected, eta, pdf));

@@ -22,7 +22,7 @@ static sag_vec3 shorter(sag_vec3 a, sag_vec3 b) { return sag_dot(b, b) < sag_dot
 // The direction b in the frame of the unit direction a, less a itself (0, 0, 1).
 static sag_vec3 turned(sag_vec3 a, sag_vec3 b) {
     sag_vec3 s, t;
-    sag_frame(a, &s, &t);
+    sagi_frame(a, &s, &t);
     return sag_vec3_make(sag_dot(b, s), sag_dot(b, t), sag_dot(b, a) - 1);
 }
 
@@ -87,7 +87,7 @@ void sagi_footprint_at(const sagi_footprint *footprint, sag_vec3 dpdu, sag_vec3 
     sag_vec3 s = {1, 0, 0}, t = {0, 1, 0}, z = {0, 0, 1};
     if (!f->parallel) {
         z = sag_scale(p, 1 / distance);
-        sag_frame(z, &s, &t);
+        sagi_frame(z, &s, &t);
     }
     // A normal goes the other way by the transposed map.
     const double(*m)[4] = f->to_world.m;

@@ -41,6 +41,12 @@ sag_vec3 sagi_microfacet_sample(sagi_microfacet facets, sag_vec3 w, sag_vec2 u) 
     return sagi_normalize(sag_vec3_make(facets.ax * half.x, facets.ay * half.y, half.z > 0 ? half.z : 0));
 }
 
+double sagi_microfacet_value(sagi_microfacet facets, sag_vec3 wo, sag_vec3 wi, sag_vec3 m, double *density) {
+    const double d = sagi_microfacet_d(facets, m), shade = 1 + lambda(facets, wo);
+    *density = d / (shade * fabs(wo.z));
+    return d / (shade + lambda(facets, wi));
+}
+
 double sagi_microfacet_pdf(sagi_microfacet facets, sag_vec3 w, sag_vec3 m) {
     return sagi_microfacet_g1(facets, w) / fabs(w.z) * sagi_microfacet_d(facets, m) * fabs(sag_dot(w, m));
 }

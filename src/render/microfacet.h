@@ -20,6 +20,8 @@ double sagi_microfacet_g1(sagi_microfacet facets, sag_vec3 w);
 double sagi_microfacet_g(sagi_microfacet facets, sag_vec3 wo, sag_vec3 wi);
 // A facet normal as seen from w (w.z ≠ 0; below the surface it is mirrored up), and its density per solid
 // angle.
+// D G, and what the density of m is in proportion to |w·m|: both at once, for they have most in common.
+double sagi_microfacet_value(sagi_microfacet facets, sag_vec3 wo, sag_vec3 wi, sag_vec3 m, double *density);
 sag_vec3 sagi_microfacet_sample(sagi_microfacet facets, sag_vec3 w, sag_vec2 u);
 double sagi_microfacet_pdf(sagi_microfacet facets, sag_vec3 w, sag_vec3 m);
 

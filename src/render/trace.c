@@ -2,7 +2,7 @@
 // Rays that pass what is not there: surfaces by as much as their alpha is below 1, and interfaces. A ray goes
 // on from such a surface as any spawned ray does, so nothing is skipped and nothing is met twice. Scenes
 // without them take the short way.
-#include "job.h"
+#include "trace.h"
 #include "medium.h"
 #include "shapes/spawn.h"
 
@@ -28,30 +28,11 @@ static void pass(const sag_render *render, presence found, const sagi_appearance
     *medium = sagi_medium_beyond(appearance, &oriented, direction, *medium);
 }
 
-// The surface that a ray has hit, and its look.
-static const sagi_appearance *see(const sag_render *render, const sag_ray *ray, const sag_hit *hit,
-                                  sag_surface *surface) {
-    sag_surface_at(render->scene, ray, hit, surface);
-    const sagi_appearance *appearance = sagi_appearance_of(render->world, surface);
-    sagi_replace_texcoords(appearance, surface);
-    return appearance;
-}
-
-sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
-                       sagi_meeting *meeting) {
-    if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
-    sag_surface *surface = &meeting->surface;
-    meeting->appearance = see(render, ray, hit, surface);
-    path->distance += hit->t;
-    meeting->hit = hit;
-    const presence found =
-        render->see_through ? presence_at(render->world, meeting->appearance, surface, ray) : SURFACE;
-    if (found == SURFACE) {
-        sagi_orient(meeting->appearance, surface);
-        sagi_material_evaluate(render->world, meeting->appearance, surface, &render->footprint,
-                               sag_neg(ray->direction), path->wavelengths.lambda, &meeting->bsdf);
-        return SAGI_COURSE_MEETING;
-    }
+sagi_course sagi_trace_through(const sag_render *render, sagi_path *path, sag_ray *ray,
+                               const sagi_meeting *meeting) {
+    const sag_surface *surface = &meeting->surface;
+    const presence found = presence_at(render->world, meeting->appearance, surface, ray);
+    if (found == SURFACE) return SAGI_COURSE_MEETING;
     if (++path->passed == SAGI_MAX_PASSED) return SAGI_COURSE_AWAY;
     pass(render, found, meeting->appearance, surface, ray->direction, &path->medium);
     uint32_t mask = ray->mask;
@@ -73,7 +54,7 @@ sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample 
                               const sag_hit *hit, uint32_t *medium) {
     if (hit->geometry == SAG_INVALID_ID) return SAGI_COURSE_AWAY;
     sag_surface surface;
-    const sagi_appearance *appearance = see(render, ray, hit, &surface);
+    const sagi_appearance *appearance = sagi_see(render, ray, hit, &surface);
     const presence found = presence_at(render->world, appearance, &surface, ray);
     if (found == SURFACE) return SAGI_COURSE_MEETING;
     pass(render, found, appearance, &surface, ray->direction, medium);

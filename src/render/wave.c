@@ -13,6 +13,7 @@
 // next step), and the pixels get their samples in the order these were started.
 #include "shapes/spawn.h"
 #include "start.h"
+#include "trace.h"
 
 bool sagi_wave_init(sagi_wave *wave, sag_render *render) {
     const sag_context *context = render->context;

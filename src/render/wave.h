@@ -135,9 +135,9 @@ typedef enum sagi_course {
     SAGI_COURSE_ON,      // what it hit is not there: the ray goes on behind
 } sagi_course;
 
-// What a path's ray comes to at its hit (geometry SAG_INVALID_ID: none); fills *meeting or moves *ray on.
-sagi_course sagi_trace(const sag_render *render, sagi_path *path, sag_ray *ray, const sag_hit *hit,
-                       sagi_meeting *meeting);
+// What it comes to where it has met a surface, which may not be there: then moves *ray on.
+sagi_course sagi_trace_through(const sag_render *render, sagi_path *path, sag_ray *ray,
+                               const sagi_meeting *meeting);
 // What a medium does to a path on its way to the next surface.
 typedef enum sagi_passage {
     SAGI_PASSAGE_THROUGH,   // the path comes to the surface
