@@ -54,11 +54,13 @@ double sagi_pbrt_area_factor(const sagi_pbrt *p) {
 }
 
 // Whether pbrt turns the shape's front: ReverseOrientation, and mirrored quadrics (see above) but in solids,
-// which have an inside.
+// which have an inside, and lamps: points that pbrt samples on these are not turned, so that they shine to
+// the outside (where pbrt shows them dark).
 static bool is_turned(const sagi_pbrt *p, sag_shape_kind kind) {
     const bool is_quadric = kind == SAG_SHAPE_SPHERE || kind == SAG_SHAPE_DISK || kind == SAG_SHAPE_CYLINDER;
     const sag_affine now = sagi_pbrt_transform_now(p);
-    const bool mirrored = is_quadric && !p->solid.scene && sag_affine_determinant(&now) < 0;
+    const bool mirrored =
+        is_quadric && !p->solid.scene && !p->state.area_light.on && sag_affine_determinant(&now) < 0;
     return p->state.reverse_orientation != mirrored;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The frame of a scattering point, the choice among materials, and the diffuse ones.
 //
-// Two normals meet here. Scattering is computed in the frame of the shading normal; whether light passes
-// through is decided by the geometric one, or light would leak: a direction that the shading normal takes for
-// a reflection but that goes into the solid is dropped, and the other way round. Where the path itself
-// arrives from below the shading normal but above the surface (at the rim of a coarse mesh) the shading
-// normal makes no sense and the geometric one takes its place, so that no black rims appear.
+// Two normals meet here. Where the ray goes on, and through which medium, the geometric one decides; what is
+// scattered, and whether a direction is a reflection or goes through, the shading normal alone, as in
+// pbrt-v4. Where the two disagree (at the rims of coarse meshes, on bumps seen from low) light may be sent
+// behind the true surface. In closed bodies it finds the inside there; a single sheet with bent normals is
+// lit a little from behind. Dropping such directions would cost energy: white would not be white in a white
+// furnace (test_furnace_scenes).
 #include "bsdf.h"
 
 #include "warp.h"
@@ -16,12 +17,6 @@ static sag_vec3 to_local(const sagi_bsdf *bsdf, sag_vec3 w) {
 
 static sag_vec3 to_scene(const sagi_bsdf *bsdf, sag_vec3 w) {
     return sag_madd(sag_madd(sag_scale(bsdf->s, w.x), w.y, bsdf->t), w.z, bsdf->n);
-}
-
-// Whether both normals agree on wi being reflected or transmitted.
-static bool sides_agree(const sagi_bsdf *bsdf, sag_vec3 wi_scene, bool transmission) {
-    double side = sag_dot(wi_scene, bsdf->geometric) * bsdf->wo_side;
-    return transmission ? side < 0 : side > 0;
 }
 
 static double regularized(double alpha) { return alpha < 0.3 ? fmax(0.1, fmin(2 * alpha, 0.3)) : alpha; }
@@ -69,7 +64,7 @@ sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi_scene, double *p
     const sagi_spectrum black = {0, 0, 0, 0};
     if (bsdf->specular) return black;
     sag_vec3 wi = to_local(bsdf, wi_scene);
-    if (wi.z == 0 || bsdf->wo.z == 0 || !sides_agree(bsdf, wi_scene, wi.z * bsdf->wo.z < 0)) return black;
+    if (wi.z == 0 || bsdf->wo.z == 0) return black;
     switch (bsdf->kind) {
     case SAG_MATERIAL_DIFFUSE: return sagi_diffuse_eval(bsdf, wi, pdf);
     case SAG_MATERIAL_CONDUCTOR: return sagi_conductor_eval(bsdf, wi, pdf);
@@ -115,7 +110,7 @@ bool sagi_bsdf_sample_wi(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_
     }
     if (!found || sagi_spectrum_is_black(sample->weight)) return false;
     sample->wi = to_scene(bsdf, sample->wi);
-    return sides_agree(bsdf, sample->wi, sample->transmission);
+    return true;
 }
 
 // Lambert: the same radiance in all directions; f = ρ/π.

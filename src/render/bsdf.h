@@ -59,7 +59,6 @@ static inline void sagi_bsdf_begin(sagi_bsdf *bsdf) {
 static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading,
                                        sag_vec3 tangent, sag_vec3 wo) {
     const double side = sag_dot(wo, geometric);
-    if (!(sag_dot(wo, shading) * side > 0)) shading = geometric;
     bsdf->geometric = geometric;
     bsdf->n = shading;
     bsdf->wo_side = side < 0 ? -1 : 1;
