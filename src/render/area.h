@@ -111,7 +111,7 @@ bool sagi_flats_init(sagi_areas *areas, const sag_context *context);
 // Whether a facet is seen so small that it is better sampled by area.
 static inline bool sagi_facet_is_far(const sagi_facet *facet, sag_vec3 from) {
     const sag_vec3 d = sag_sub(facet->middle, from);
-    return 16 * facet->size2 < sag_dot(d, d);
+    return 8 * facet->size2 < sag_dot(d, d);
 }
 // Sees the facet; false where it is better sampled by area.
 bool sagi_facet_fills(const sagi_facet *facet, const sagi_shading_point *from, sagi_facet_view *view);

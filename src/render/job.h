@@ -60,8 +60,7 @@ struct sag_render {
     atomic_bool cancelled;
 
     bool has_media;   // and they are to be seen
-    bool see_through; // some geometry has alpha or an interface material, or there are media: rays may have
-                      // to go on, or light on them is dimmed
+    bool see_through; // some geometry has alpha or an interface material: rays may have to go on
 };
 
 // What of the film is to be made: the first column and row, and the size. SAG_ERROR_ARGUMENT when nothing is

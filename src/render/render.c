@@ -58,7 +58,7 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     if (status != SAG_OK) return status;
     render->scene = world->scene;
     render->has_media = render->settings.integrator == SAG_INTEGRATOR_VOLPATH && world->media.count > 0;
-    render->see_through = render->has_media || sees_through(world);
+    render->see_through = sees_through(world);
     find_square_uv(world);
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;

@@ -48,10 +48,15 @@ static inline double make(sagi_spherical_triangle *t, sag_vec3 a, sag_vec3 b, sa
     return t->solid_angle * (2 * receive_b + receive_a + receive_c);
 }
 
+static inline sag_vec3 unit(sag_vec3 d) {
+    const double squared = sag_dot(d, d);
+    return sagi_square_is_safe(squared) ? sag_scale(d, 1 / sqrt(squared)) : sag_normalize(d);
+}
+
 void sagi_facet_see(const sagi_facet *facet, sag_vec3 from, sag_vec3 normal, bool front_only,
                     sagi_facet_view *view) {
     const sag_vec3 p = sag_sub(facet->a, from), q = sag_add(p, facet->e), r = sag_add(p, facet->f);
-    const sag_vec3 b = sagi_normalize(p), a = sagi_normalize(q), c = sagi_normalize(r);
+    const sag_vec3 b = unit(p), a = unit(q), c = unit(r);
     const bool facing = normal.x != 0 || normal.y != 0 || normal.z != 0;
     double at_a = 1, at_b = 1, at_c = 1, at_d = 1;
     if (facing) {
@@ -63,7 +68,7 @@ void sagi_facet_see(const sagi_facet *facet, sag_vec3 from, sag_vec3 normal, boo
     view->count = 1;
     view->first = 1;
     if (!facet->parallelogram) return;
-    const sag_vec3 d = sagi_normalize(sag_add(q, facet->f));
+    const sag_vec3 d = unit(sag_add(q, facet->f));
     if (facing) at_d = receive(normal, front_only, d);
     const double other = make(&view->parts[1], a, d, c, at_a, at_d, at_c);
     view->solid_angle += view->parts[1].solid_angle;

@@ -55,7 +55,7 @@ sagi_passage sagi_volume_step(sagi_wave *wave, sagi_path *p, sag_ray *ray, const
 void sagi_volume_dim(const sag_render *render, sagi_shadow *shadow, const sag_ray *ray, const sag_hit *hit) {
     const sagi_medium *medium = sagi_medium_of(render->world, shadow->medium);
     if (!medium) return;
-    const double length = hit->geometry == SAG_INVALID_ID ? ray->t_max : hit->t;
+    const double length = !hit || hit->geometry == SAG_INVALID_ID ? ray->t_max : hit->t;
     shadow->light *= sagi_medium_transmittance(medium, shadow->path->wavelengths.lambda,
                                                length * sag_length(ray->direction));
 }

@@ -167,14 +167,18 @@ static void add_light(const sagi_wave *wave, uint32_t i) {
         shadow->path->radiance += shadow->light;
 }
 
-// The light of this step, where nothing is in its way.
+// The light of this step, where nothing is in its way. (A medium all along the way ends at no surface.)
 static void add_lights(sagi_wave *wave) {
     const double start = sagi_clock_seconds();
     sag_occluded_batch(wave->render->scene, wave->shadow_rays, wave->occluded, wave->shadow_count);
     wave->traversal_seconds += sagi_clock_seconds() - start;
     wave->rays_traced += wave->shadow_count;
-    for (uint32_t i = 0; i < wave->shadow_count; i++)
-        if (!wave->occluded[i]) add_light(wave, i);
+    for (uint32_t i = 0; i < wave->shadow_count; i++) {
+        if (wave->occluded[i]) continue;
+        sagi_shadow *shadow = &wave->shadows[i];
+        if (shadow->medium != 0) sagi_volume_dim(wave->render, shadow, &wave->shadow_rays[i], NULL);
+        add_light(wave, i);
+    }
     wave->shadow_count = 0;
 }
 

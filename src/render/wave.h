@@ -146,7 +146,7 @@ typedef enum sagi_passage {
 } sagi_passage;
 
 // volume.c: what is in the way of a path's ray up to its hit (t in its directions, which are unit), and of a
-// shadow ray.
+// shadow ray (NULL: all along).
 sagi_passage sagi_volume_step(sagi_wave *wave, sagi_path *path, sag_ray *ray, const sag_hit *hit);
 void sagi_volume_dim(const sag_render *render, sagi_shadow *shadow, const sag_ray *ray, const sag_hit *hit);
 // Russian roulette: whether the path goes on.
