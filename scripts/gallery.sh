@@ -102,6 +102,9 @@ case ${1-} in
     ;;
 esac
 
+for w; do
+    ls "examples/$w".* >/dev/null 2>&1 || [ -d "examples/$w" ] || { echo "gallery.sh: no examples/$w" >&2; exit 2; }
+done
 # Sheets are put together from pictures, so they come after all others.
 find examples/gallery examples/solids -name '*.pbrt' -o -path '*/models/*.gltf' -o -path '*/models/*.obj' | LC_ALL=C sort |
     sed 's|^examples/||; s|\.[a-z]*$||' | awk '/\/sheets\// { last = last $0 "\n"; next } { print } END { printf "%s", last }' |
