@@ -18,7 +18,7 @@
 #include "kernel/solid_batch.inl"
 
 #define FLIGHTS       16
-#define FLIGHT_STACK  96 // a ray that needs more goes on alone
+#define FLIGHT_STACK  192 // enough for 27 levels; in deeper trees rays go alone
 #define ENOUGH_LEAVES 10
 
 // Below all that waits on a flight's stack: a leaf that begins, by its bits, later than any limit.
@@ -52,11 +52,10 @@ typedef struct crowd {
     bool *doubtful; // of a mesh within a solid: whether the hit is not one crossing and alone; else NULL
     later *later;   // or NULL
     size_t count, begun;
-    uint16_t *number; // which rays, count of them
-    struct {          // of nodes and leaves
-        const char *first;
-        size_t half; // of one's bytes
-    } memory[2];
+    uint16_t *number;            // which rays, count of them
+    bool deep;                   // a flight's stack might not do
+    const char *first[2];        // of nodes and leaves,
+    size_t half[2];              // and half of one's bytes
     flight **last[ERRAND_COUNT]; // of those that wait for the same: the next place
     flight *waiting[ERRAND_COUNT][FLIGHTS];
     flight flights[FLIGHTS];
@@ -83,21 +82,17 @@ SAGI_INLINE float bits_float(uint32_t bits) {
     return x;
 }
 
-// Either, whatever the processor guesses: no branch.
-#define EITHER(condition, a, b) (__builtin_expect_with_probability((condition), 1, 0.5) ? (a) : (b))
-
 // Sends the flight where (begin, child) says, or first to take note of what it met. Which it will be nobody
 // can foresee, so nothing here is a branch.
 SAGI_INLINE void send(crowd *c, flight *f, uint32_t begin, uint32_t child, bool met) {
-    uint32_t leaf = child >> 31, e = leaf;
+    const uint32_t leaf = child >> 31;
     // Its first three cache lines will do: of a node's fourth the processor thinks itself.
     // (Twice the number, so that the bit which says that it is a leaf is gone.)
-    const char *at = c->memory[leaf].first + (size_t)(child << 1) * c->memory[leaf].half;
+    const char *at = c->first[leaf] + (size_t)(child << 1) * c->half[leaf];
     f->begin = begin, f->at = at;
     __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
-    e = EITHER(begin > float_bits(f->here.limit), AT_LOOK, e);
-    e = EITHER(met, AT_MET, e);
-    queue_up(c, (errand)e, f);
+    const uint32_t e = sagi_if_above(begin, float_bits(f->here.limit), AT_LOOK, leaf);
+    queue_up(c, (errand)sagi_if_above(met, 0, AT_MET, e), f);
 }
 
 SAGI_INLINE void write_answer(question asked, const crowd *c, size_t ray, bool found) {
@@ -105,6 +100,12 @@ SAGI_INLINE void write_answer(question asked, const crowd *c, size_t ray, bool f
         c->dark[ray] = found;
     else if (!found)
         c->hits[ray] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
+}
+
+SAGI_INLINE void leave(question asked, crowd *c, flight *f) {
+    if (asked == CLOSEST && c->doubtful != NULL)
+        c->doubtful[f->ray] = f->search.found && (f->search.near || !f->search.odd);
+    write_answer(asked, c, f->ray, f->search.found);
 }
 
 SAGI_INLINE void fetch(const void *at, size_t bytes) {
@@ -128,42 +129,33 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         if (c->doubtful != NULL) s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
         enter(&f->here, c->world, &c->rays[f->ray], s);
         bool over;
-        if (come_to_tree(asked, &f->here, &over)) {
+        if (__builtin_expect(c->deep, 0)) {
+            if (asked == ANY)
+                walk_any(&f->here);
+            else
+                walk_closest(&f->here);
+        } else if (come_to_tree(asked, &f->here, &over)) {
             f->begins[0] = bits_float(NOTHING_BEGINS), f->children[0] = NOTHING, f->height = 1;
-            f->at = c->memory[0].first, f->begin = 0;
+            f->at = c->first[0], f->begin = 0;
             queue_up(c, AT_NODE, f);
             return;
         }
-        write_answer(asked, c, f->ray, s->found);
+        leave(asked, c, f);
     }
 }
 
 SAGI_INLINE void end(question asked, crowd *c, flight *f) {
-    if (asked == CLOSEST && c->doubtful != NULL)
-        c->doubtful[f->ray] = f->search.found && (f->search.near || !f->search.odd);
-    write_answer(asked, c, f->ray, f->search.found);
+    leave(asked, c, f);
     begin(asked, c, f);
-}
-
-// A stack that is about to overflow: the single walk has room for the deepest tree.
-static __attribute__((noinline, cold)) void go_alone(question asked, crowd *c, flight *f) {
-    search *s = &f->search;
-    s->found = false;
-    enter(&f->here, c->world, &c->rays[f->ray], s);
-    if (asked == ANY)
-        walk_any(&f->here);
-    else
-        walk_closest(&f->here);
-    end(asked, c, f);
 }
 
 SAGI_INLINE void all_steps(question asked, crowd *c) {
     uint32_t count = take_queue(c, AT_NODE);
     // Which children each ray meets, and which of them first.
     sagi_f8 begins[FLIGHTS];
-    uint32_t leasts[FLIGHTS], masks[FLIGHTS];
+    uint32_t lanes[FLIGHTS], masks[FLIGHTS];
     for (uint32_t i = 0; i < count; i++) {
-        flight *f = c->waiting[AT_NODE][i];
+        const flight *f = c->waiting[AT_NODE][i];
         const char *at = f->at;
         const slabs r = slabs_of(&f->here.tree_ray);
         sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, f->here.limit);
@@ -172,30 +164,22 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
         if (asked == ANY)
             masks[i] = sagi_i8_mask(sagi_f8_at_most(begin, end)); // any child will do as the first
         else
-            masks[i] = sagi_f8_in_order(begin, end, &leasts[i]);
+            masks[i] = sagi_f8_in_order(begin, end, &lanes[i]);
     }
     // The first is next, or what is on top of the stack; the others go on it.
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_NODE][i];
         const sagi_bvh_node *node = (const sagi_bvh_node *)(const void *)f->at;
-        sagi_f8 begin = begins[i];
-        uint32_t mask = masks[i], lane, near_begin;
-        if (asked == ANY) {
-            lane = (uint32_t)__builtin_ctz(mask | 0x80), near_begin = float_bits(begins[i][lane]);
-        } else {
-            lane = leasts[i] & 7, near_begin = leasts[i] & ~7U;
-        }
-        uint32_t rest = mask & ~(1U << lane);
-        uint32_t height = f->height, near_child = node->child[lane];
-        uint32_t top_begin = float_bits(f->begins[height - 1]), top_child = f->children[height - 1];
-        sagi_write_lanes(rest, begin, f->begins + height, sagi_i8_load(node->child), f->children + height);
-        height += (uint32_t)__builtin_popcount(mask) - 1;
-        f->height = height;
-        if (__builtin_expect(height > FLIGHT_STACK, 0))
-            go_alone(asked, c, f);
-        else
-            send(c, f, EITHER(mask != 0, near_begin, top_begin), EITHER(mask != 0, near_child, top_child),
-                 false);
+        const uint32_t mask = masks[i], height = f->height;
+        const uint32_t lane = asked == ANY ? (uint32_t)__builtin_ctz(mask | 0x80) : lanes[i] & 7;
+        const uint32_t begin = sagi_if_above(
+            mask, 0, asked == ANY ? float_bits(((const float *)&begins[i])[lane]) : lanes[i] & ~7U,
+            float_bits(f->begins[height - 1]));
+        const uint32_t child = sagi_if_above(mask, 0, node->child[lane], f->children[height - 1]);
+        sagi_write_lanes(mask & ~(1U << lane), begins[i], f->begins + height, sagi_i8_load(node->child),
+                         f->children + height);
+        f->height = height + (uint32_t)__builtin_popcount(mask) - 1;
+        send(c, f, begin, child, false);
     }
 }
 
@@ -294,9 +278,9 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
-    c->memory[0].first = (const char *)c->world->tree.nodes;
-    c->memory[1].first = (const char *)c->world->tree.leaves;
-    c->memory[0].half = sizeof(sagi_bvh_node) / 2, c->memory[1].half = SAGI_BVH_UNIT / 2;
+    c->deep = c->world->tree.depth > (FLIGHT_STACK - 1) / (SAGI_BVH_WIDTH - 1);
+    c->first[0] = (const char *)c->world->tree.nodes, c->half[0] = sizeof(sagi_bvh_node) / 2;
+    c->first[1] = (const char *)c->world->tree.leaves, c->half[1] = SAGI_BVH_UNIT / 2;
     for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
     for (uint32_t i = 0; i < FLIGHTS; i++) begin(asked, c, &c->flights[i]);
     for (;;) {

@@ -128,10 +128,11 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
     sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(bounds->b0_way), sagi_f8_fill(bounds->b0));
     sagi_f8 low = t - b0, high = t + b0, error = sagi_f8_fill(b1);
-    float last_time = sagi_float_min((limit - begin) * grid, range);
-    sagi_f8 first = sagi_f8_fill(sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range));
-    sagi_f8 last = sagi_f8_fill(last_time);
-    sagi_f8 last_certain = sagi_f8_fill(sagi_float_min((ray->t_max - begin) * grid, last_time));
+    // (By vectors, so that no compiler makes branches of them.)
+    sagi_f8 first =
+        sagi_f8_max(sagi_f8_fill((float)((ray->t_min - (double)begin) * steps)), sagi_f8_fill(-range));
+    sagi_f8 last = sagi_f8_min(sagi_f8_fill((limit - begin) * grid), sagi_f8_fill(range));
+    sagi_f8 last_certain = sagi_f8_min(sagi_f8_fill((ray->t_max - begin) * grid), last);
     sagi_f8 first_error = sagi_f8_abs(first) * error, last_error = sagi_f8_abs(last) * error;
     sagi_i8 beyond = sagi_f8_less(sagi_f8_fma(size, last, last_error), low) |
                      sagi_f8_less(high, sagi_f8_fms(size, first, first_error));

@@ -42,6 +42,16 @@ SAGI_INLINE size_t sagi_opaque(size_t n) {
     return n;
 }
 
+// x > y ? a : b, without a branch: for what nobody can foresee.
+SAGI_INLINE uint32_t sagi_if_above(uint32_t x, uint32_t y, uint32_t a, uint32_t b) {
+#if defined(__x86_64__) && !defined(SAGI_SIMD_PLAIN)
+    __asm__("cmp %[y], %[x]\n\tcmova %[a], %[b]" : [b] "+r"(b) : [x] "r"(x), [y] "ri"(y), [a] "r"(a) : "cc");
+    return b;
+#else
+    return x > y ? a : b;
+#endif
+}
+
 SAGI_INLINE sagi_f8 sagi_f8_fill(float x) { return (sagi_f8){x, x, x, x, x, x, x, x}; }
 SAGI_INLINE sagi_d4 sagi_d4_fill(double x) { return (sagi_d4){x, x, x, x}; }
 // Aligned to 32 bytes.
