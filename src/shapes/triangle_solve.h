@@ -11,19 +11,17 @@
 // 1. From near the triangle. For any t₀, with P = a − o − t₀ d,
 //        t = t₀ + n · P / D,    u = −(d × P) · (c − a) / D,    v = (d × P) · (b − a) / D
 //    exactly. t₀ = (a − o) · d / d · d, where the ray comes nearest to a, is soon there, and then P is at
-//    most as long as the triangle. With error-free transforms its components come out within 2u |P| + 2u² (|a
-//    − o|
-//    + |t₀ d|), so that n · P has an error of 9u S(P) + 2u² (S(a − o) + |t₀| S(d)): a small part of u |t D|
-//    unless the triangle is large beside the distance. There is nothing in a row but this, and D is worked
-//    out beside it.
+//    most as long as the triangle. With error-free transforms its components come out within
+//        2u |P| + 2u² (|a − o| + |t₀ d|),
+//    so that n · P has an error of 9u S(P) + 2u² (S(a − o) + |t₀| S(d)): a small part of u |t D| unless the
+//    triangle is large beside the distance. There is nothing in a row but this, and D is worked out beside
+//    it.
 // 2. Where that is not good enough, the same again from the t that it gave. Now the step n · P / D is so
-// small
-//    that D's error does not matter. The weights follow from P once it is corrected: Q = n · P/D · d − P =
-//    u (b − a) + v (c − a), so u = (Q × (c − a)) · n / n², v = ((b − a) × Q) · n / n²: for rays that graze
-//    the triangle.
-// 3. The same step with n · P in double-doubles from exact differences: products and sums there are good to 7
-// ·
-//    2⁻¹⁰⁶ and 3 · 2⁻¹⁰⁶, so n · P to 2⁻¹⁰⁰ S(P), and only D is still a double. Where that is not enough
+//    small that D's error does not matter. The weights follow from P once it is corrected: Q = n · P/D · d −
+//    P = u (b − a) + v (c − a), so u = (Q × (c − a)) · n / n², v = ((b − a) × Q) · n / n²: for rays that
+//    graze the triangle.
+// 3. The same step with n · P in double-doubles from exact differences. Products and sums there are good to
+//    7 · 2⁻¹⁰⁶ and 3 · 2⁻¹⁰⁶, so n · P to 2⁻¹⁰⁰ S(P), and only D is still a double. Where that is not enough
 //    either, all of it in double-doubles, good to 46 · 2⁻¹⁰⁶ (2⁻¹⁰⁰ is used) of E² |a − o|₁ and so on, E
 //    being the longer edge in the maximum norm.
 // 4. Expansions: exact numerators and denominators, two roundings. For an origin almost in the plane, rays
@@ -48,11 +46,12 @@
 
 static inline double sagi_larger(double a, double b) { return a > b ? a : b; }
 
-#define REAL       double
-#define MASK       bool
-#define BOTH(a, b) ((a) && (b))
-#define STEP(name) sagi_solve1_##name
-#define ABS        fabs
+#define REAL         double
+#define MASK         bool
+#define BOTH(a, b)   ((a) && (b))
+#define EITHER(a, b) ((a) || (b))
+#define STEP(name)   sagi_solve1_##name
+#define ABS          fabs
 typedef sagi_d4 sagi_solve1_vec3; // the fourth place holds anything
 SAGI_INLINE sagi_d4 sagi_solve1_add(sagi_d4 a, sagi_d4 b) { return a + b; }
 SAGI_INLINE sagi_d4 sagi_solve1_sub(sagi_d4 a, sagi_d4 b) { return a - b; }
@@ -75,11 +74,12 @@ SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, do
 }
 #include "shapes/triangle_step.inl"
 
-#define REAL       sagi_d4
-#define MASK       sagi_l4
-#define BOTH(a, b) ((a) & (b))
-#define STEP(name) sagi_solve4_##name
-#define ABS        sagi_d4_abs
+#define REAL         sagi_d4
+#define MASK         sagi_l4
+#define BOTH(a, b)   ((a) & (b))
+#define EITHER(a, b) ((a) | (b))
+#define STEP(name)   sagi_solve4_##name
+#define ABS          sagi_d4_abs
 typedef struct sagi_solve4_vec3 {
     sagi_d4 x, y, z;
 } sagi_solve4_vec3;
@@ -239,7 +239,8 @@ SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, sagi
     sagi_solve1_step s;
     sagi_solve1_solve(&of, &s);
     if (__builtin_expect(!sagi_solve1_good(&s), 0)) { // of rays that are not much longer than the triangle
-        const sagi_solve1_pair pair = of;             // so that the other one need not be in memory
+        if (sagi_solve1_beyond(&s, ray->t_min, t_max)) return false;
+        const sagi_solve1_pair pair = of; // so that the other one need not be in memory
         sagi_solve1_step step = s;
         return sagi_triangle_solve_on(ray, t_max, &pair, &step, t, u, v);
     }
@@ -297,6 +298,8 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
     four->v = sagi_d4_min(sagi_d4_max(s.v, zero), one - four->u);
     uint32_t hit = lanes & sagi_d4_signs((sagi_d4)(good & (s.t >= rest.z) & (s.t <= four->t_max)));
     uint32_t left = lanes & ~sagi_d4_signs((sagi_d4)good);
+    if (__builtin_expect(left != 0, 0))
+        left &= ~sagi_d4_signs((sagi_d4)sagi_solve4_beyond(&s, rest.z, four->t_max));
     for (; __builtin_expect(left != 0, 0); left &= left - 1) {
         const int i = __builtin_ctz(left);
         const sagi_d4 corner[3] = {four->corner[0][i], four->corner[1][i], four->corner[2][i]};

@@ -20,16 +20,22 @@
 //    with a little more for the rounding of the bound itself, 2.8 |t| leaves 3.81 |t| in all, less than 4
 //    ulp.
 //  * The products of M = d × P have lost 4.1 |dᵢ Pⱼ|, those with an edge four more, so that M · (c − a) is
-//  good
-//    to 8.2 |d|₁ |P|₁ E ≤ 25.5 g |D|; cancellation in P is below 0.1 g |D|. A weight is at most 1, so D and
-//    its reciprocal take 14.3g + 2.1 ≤ 18.6 g: in all 45g ≤ 1800, and 2048 is 2⁻⁴².
+//    good to 8.2 |d|₁ |P|₁ E ≤ 25.5 g |D|; cancellation in P is below 0.1 g |D|. A weight is at most 1, so D
+//    and its reciprocal take 14.3g + 2.1 ≤ 18.6 g: in all 45g ≤ 1800, and 2048 is 2⁻⁴².
 // Underflow: with E ≥ 2⁻²⁰⁰ and |d|₁ ≥ 2⁻⁶² every product that matters is far from it, as |t D| is at least
 // 2⁻²⁶ E³. Overflow makes an inf or a NaN of n, so of t, which then is not good.
 //
-// Wants REAL; MASK, what a comparison of REALs gives, and BOTH of two; ABS of a REAL; STEP(name); and these:
-// STEP(vec3), of three REALs, and STEP(add), sub, mul, max, scale, abs, turn (y z x), turn_back (z x y),
-// largest (of the three), product_error (what a REAL times a vector has lost), sum ((x + y) + z) and sum4 (of
-// each of four vectors).
+// When t is certainly out of range. A ray that leaves a triangle has its t next to 0 there, which is never
+// good in the sense above, but is, nearly always, certainly less than t_min. All of the above holds but for
+// the lower bound of |t d|₁, so that cancellation keeps its own terms; with g ≤ 40 these are below
+//     13.4u g E/|d|₁ + 8.6u g |t₀| < 2⁻⁴³ E/|d|₁ + 2⁻⁴⁴ (|t| + |step|).
+// A product that underflows is off by 2⁻¹⁰⁷⁴, which with E ≥ 2⁻²⁰⁰ is nothing beside the first of them. Twice
+// these and 4 |t| leave room for the roundings of t, of the bound and of the comparison.
+//
+// Wants REAL; MASK, what a comparison of REALs gives, and BOTH and EITHER of two; ABS of a REAL; STEP(name);
+// and these: STEP(vec3), of three REALs, and STEP(add), sub, mul, max, scale, abs, turn (y z x), turn_back
+// (z x y), largest (of the three), product_error (what a REAL times a vector has lost), sum ((x + y) + z) and
+// sum4 (of each of four vectors).
 
 typedef struct STEP(pair) {
     STEP(vec3) o, d, a, b, c;
@@ -74,17 +80,33 @@ SAGI_INLINE void STEP(solve)(const STEP(pair) * of, STEP(step) * s) {
     s->u = sum[2] * s->inverse, s->v = sum[3] * -s->inverse;
 }
 
+// What t may be off by, in u, less cancellation and its last rounding.
+SAGI_INLINE REAL STEP(t_error)(const STEP(step) * s) {
+    return 9.4 * (s->p_sum * ABS(s->inverse)) + (14.6 * s->grazing + 4.0) * ABS(s->step);
+}
+
+// Whether all of this holds for the step.
+SAGI_INLINE MASK STEP(usual)(const STEP(step) * s) {
+    return BOTH(BOTH(BOTH(s->size >= 0x1p-200, s->size <= 0x1p199), BOTH(s->d1 >= 0x1p-62, s->d1 <= 0x1p64)),
+                BOTH(s->grazing <= 40.0, ABS(s->t) * s->d1 <= 0x1p36 * s->size));
+}
+
 // Whether t and the weights are certainly good enough.
 SAGI_INLINE MASK STEP(good)(const STEP(step) * s) {
-    REAL t = ABS(s->t), length = t * s->d1;
-    REAL t_error = 9.4 * (s->p_sum * ABS(s->inverse)) + (14.6 * s->grazing + 4.0) * ABS(s->step);
-    return BOTH(BOTH(BOTH(s->size >= 0x1p-200, s->size <= 0x1p199), BOTH(s->d1 >= 0x1p-62, s->d1 <= 0x1p64)),
-                BOTH(BOTH(s->grazing <= 40.0, t_error <= 2.8 * t),
-                     BOTH(length >= 0x1p-20 * s->size, length <= 0x1p36 * s->size)));
+    REAL t = ABS(s->t);
+    return BOTH(STEP(usual)(s), BOTH(STEP(t_error)(s) <= 2.8 * t, t * s->d1 >= 0x1p-20 * s->size));
+}
+
+// Whether t is certainly less than t_min or more than t_max.
+SAGI_INLINE MASK STEP(beyond)(const STEP(step) * s, REAL t_min, REAL t_max) {
+    REAL t = ABS(s->t), cancelled = 0x1p-42 * (s->size / s->d1 + t + ABS(s->step));
+    REAL margin = SAGI_EPSILON * (1.01 * STEP(t_error)(s) + 4.0 * t + cancelled);
+    return BOTH(STEP(usual)(s), EITHER(t_min > s->t + margin, t_max < s->t - margin));
 }
 
 #undef REAL
 #undef MASK
 #undef BOTH
+#undef EITHER
 #undef STEP
 #undef ABS
