@@ -308,6 +308,7 @@ static exr_result_t write_lines(exr_context_t exr, const sagi_exr_picture *p,
         }
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, pipeline);
     }
+    pipeline->encoding_user_data = NULL;
     return code;
 }
 
