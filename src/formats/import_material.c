@@ -8,7 +8,10 @@
 //
 // Wavefront's MTL has Kd, Ks, the exponent Ns of Phong's highlight and d, how opaque it is. A highlight cosⁿ
 // is about as wide as that of facets of α = √(2/(n + 2)) (Walter et al. 2007). So Ks makes a coat, or a metal
-// where there is no Kd; what is hardly opaque is glass.
+// where there is no Kd; what is hardly opaque is glass. bump has no unit: its heights are taken to be a
+// hundredth of the picture's width, and made a normal map.
+//
+// KHR_materials_unlit shows its colour whatever the light: it shines so itself.
 #include "formats/import_material.h"
 
 #include "formats/file.h"
@@ -20,6 +23,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+#define BUMP_HEIGHT 0.01
 
 // ---- pictures
 
@@ -120,6 +125,33 @@ static double squared(double value, double parameter) {
 }
 static double cut(double value, double parameter) { return value >= parameter ? 1 : 0; }
 
+// The normals of a picture of heights, which wraps around; 0 with a warning. Rows run down, v up.
+static sag_picture_id add_bump(const sagi_import_source *s, const struct aiString *name, double scale) {
+    const sag_context *context = sag_world_context(s->world);
+    sag_image heights, normals;
+    if (!read_image(s, name, SAG_ENCODING_LINEAR, &heights)) return 0;
+    const uint32_t w = heights.width, h = heights.height, n = heights.channels;
+    if (sag_image_create(context, w, h, 3, &normals, NULL) != SAG_OK) {
+        sag_image_clear(context, &heights);
+        return 0;
+    }
+    const double slope = scale * BUMP_HEIGHT * w / 2; // of the difference over two texels
+    for (uint32_t y = 0; y < h; y++)
+        for (uint32_t x = 0; x < w; x++) {
+            const float *row = heights.pixels + (size_t)y * w * n;
+            const float *above = heights.pixels + (size_t)((y + h - 1) % h) * w * n,
+                        *below = heights.pixels + (size_t)((y + 1) % h) * w * n;
+            const double dx = (double)(row[(size_t)((x + 1) % w) * n] - row[(size_t)((x + w - 1) % w) * n]),
+                         dy = (double)(above[(size_t)x * n] - below[(size_t)x * n]);
+            const sag_vec3 normal = sag_normalize(sag_vec3_make(-slope * dx, -slope * dy, 1));
+            float *p = normals.pixels + ((size_t)y * w + x) * 3;
+            p[0] = (float)(normal.x + 1) / 2, p[1] = (float)(normal.y + 1) / 2;
+            p[2] = (float)(normal.z + 1) / 2;
+        }
+    sag_image_clear(context, &heights);
+    return sag_world_add_picture(s->world, &normals);
+}
+
 // ---- numbers and colours
 
 static bool get_color(const struct aiMaterial *material, const char *key, unsigned type, unsigned index,
@@ -185,14 +217,21 @@ static void read_metallic_roughness(const sagi_import_source *s, const struct ai
         parts->metallic.texture = add_channel(s, &name, 2, metallic, as_it_is, 0);
 }
 
+static void read_normals(const sagi_import_source *s, const struct aiMaterial *from, sag_material *material) {
+    struct aiString name;
+    if (find_texture(from, aiTextureType_NORMALS, &name))
+        material->normal_map = add_picture(s, &name, SAG_ENCODING_LINEAR);
+    else if (find_texture(from, aiTextureType_HEIGHT, &name))
+        material->normal_map =
+            add_bump(s, &name, get_number(from, "$tex.bumpmult", aiTextureType_HEIGHT, 0, 1));
+}
+
 // Glass, metal, coated or mixed, with the normal map.
 static uint32_t add_material(const sagi_import_source *s, const struct aiMaterial *from,
                              const look_parts *parts) {
     sag_material material = {
         .reflectance = parts->color, .roughness_u = parts->roughness, .roughness_v = parts->roughness};
-    struct aiString name;
-    if (find_texture(from, aiTextureType_NORMALS, &name))
-        material.normal_map = add_picture(s, &name, SAG_ENCODING_LINEAR);
+    read_normals(s, from, &material);
     const bool some_metal = parts->metallic.texture || parts->metallic.value.r > 0,
                all_metal = !parts->metallic.texture && parts->metallic.value.r >= 1;
     sag_material metal = material, plain = material;
@@ -230,15 +269,13 @@ static uint32_t add_phong(const sagi_import_source *s, const struct aiMaterial *
                         .index = index_of(from),
                         .transmission = opacity < 0.5 ? 1 : 0,
                         .roughness = constant(opacity < 0.5 && exponent == 0 ? 0 : alpha)};
-    struct aiString name;
     const bool shines = most(highlight) > 0.01 && exponent > 1;
     if (shines && most(color) == 0 && !parts.color.texture && opacity >= 0.5) {
         parts.color.value = highlight;
         parts.metallic = constant(1);
     } else if (!shines && opacity >= 0.5) {
         sag_material plain = {.kind = SAG_MATERIAL_DIFFUSE, .reflectance = parts.color};
-        if (find_texture(from, aiTextureType_NORMALS, &name))
-            plain.normal_map = add_picture(s, &name, SAG_ENCODING_LINEAR);
+        read_normals(s, from, &plain);
         return sag_world_add_material(s->world, &plain);
     }
     return add_material(s, from, &parts);
@@ -301,6 +338,20 @@ bool sagi_import_look(const sagi_import_source *s, const struct aiMaterial *from
     struct aiColor4D base;
     if (is_gltf && aiGetMaterialColor(from, AI_MATKEY_BASE_COLOR, &base) == aiReturn_SUCCESS)
         opacity = (double)base.a;
+    int shading = 0;
+    unsigned count = 1;
+    if (aiGetMaterialIntegerArray(from, AI_MATKEY_SHADING_MODEL, &shading, &count) == aiReturn_SUCCESS &&
+        is_gltf && shading == aiShadingMode_Unlit) {
+        const bool own = find_texture(from, aiTextureType_BASE_COLOR, &name);
+        const sag_input shown =
+            color_input(s, from, (sag_rgb){1, 1, 1}, own ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE);
+        look->emission = color;
+        look->emission_texture = shown.texture;
+        look->two_sided = true;
+        look->material = sag_world_add_material(s->world, &(sag_material){.kind = SAG_MATERIAL_DIFFUSE});
+        read_alpha(s, from, opacity, look);
+        return look->material != 0;
+    }
     look->material = is_physical ? add_physical(s, from, color) : add_phong(s, from, color, opacity);
     read_alpha(s, from, opacity, look);
     read_emission(s, from, look);

@@ -150,7 +150,8 @@ static void test_turned_model_stands_on_the_ground(void **state) {
 }
 
 static const char gltf[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":["
+    "0,1]}],"
     "\"nodes\":[{\"mesh\":0,\"translation\":[0,0,5]},{\"mesh\":0,\"translation\":[0,0,9]}],"
     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
     "\"buffers\":[{\"byteLength\":44,\"uri\":\"data:application/octet-stream;base64,"
@@ -364,13 +365,14 @@ static const sagi_material *material_of(const sag_world *world, uint32_t geometr
 // Loads a glTF triangle with this material.
 static sag_world *with_gltf_material(const char *material) {
     static char text[8192];
-    snprintf(
-        text, sizeof text,
-        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
-        "\"images\":[{\"uri\":\"" PIXEL "\"}],\"textures\":[{\"source\":0}],\"materials\":[%s],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}],"
-        "%s",
-        material, strstr(gltf, "\"buffers\""));
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_materials_transmission\",\"KHR_"
+             "materials_ior\","
+             "\"KHR_materials_unlit\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+             "\"images\":[{\"uri\":\"" PIXEL "\"}],\"textures\":[{\"source\":0}],\"materials\":[%s],"
+             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}],"
+             "%s",
+             material, strstr(gltf, "\"buffers\""));
     write_file("m.gltf", text, strlen(text));
     sag_world *world = sag_world_create(context);
     sag_error error;
@@ -424,10 +426,22 @@ static void test_gltf_materials(void **state) {
     sag_world_destroy(world);
 
     world = with_gltf_material("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0},"
-                               "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}}}");
+                               "\"extensions\":{\"KHR_materials_ior\":{\"ior\":1.25},"
+                               "\"KHR_materials_transmission\":{\"transmissionFactor\":1}}}");
     m = material_of(world, 0, &look);
     if (m->material.kind != SAG_MATERIAL_DIELECTRIC)
         print_message("this Assimp does not tell of transmission\n");
+    else
+        assert_true(m->material.eta.value.r == 1.25);
+    sag_world_destroy(world);
+
+    world = with_gltf_material(
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1],"
+        "\"baseColorTexture\":{\"index\":0}},\"extensions\":{\"KHR_materials_unlit\":{}}}");
+    m = material_of(world, 0, &look);
+    assert_int_equal(m->material.kind, SAG_MATERIAL_DIFFUSE);
+    assert_true(look->look.emission.r == 0.5 && look->look.emission.b == 1 && look->look.two_sided);
+    assert_true(look->look.emission_texture != 0 && m->material.reflectance.value.r == 0);
     sag_world_destroy(world);
 }
 
@@ -463,6 +477,93 @@ static void test_mtl_materials(void **state) {
     sag_world_destroy(world);
 }
 
+// A slope to the right makes the normal lean to the left, one that rises up the picture, down; "norm" is
+// taken as it is; map_d is alpha.
+static void test_mtl_pictures(void **state) {
+    (void)state;
+    sag_image heights;
+    assert_int_equal(sag_image_create(context, 64, 32, 3, &heights, NULL), SAG_OK);
+    for (uint32_t y = 0; y < 32; y++)
+        for (uint32_t x = 0; x < 64; x++)
+            for (uint32_t k = 0; k < 3; k++)
+                heights.pixels[(y * 64 + x) * 3 + k] =
+                    y < 16 ? (float)(x < 32 ? x : 64 - x) / 64 : (float)(y - 16) / 32;
+    assert_int_equal(sag_image_write(context, &heights, in_folder("bump.pfm"), NULL), SAG_OK);
+    sag_image_clear(context, &heights);
+    static const char mtl[] = "newmtl bumpy\nKd 0.5 0.5 0.5\nmap_bump -bm 2 bump.pfm\n"
+                              "newmtl mapped\nKd 0.5 0.5 0.5\nnorm bump.pfm\nmap_d bump.pfm\n";
+    static const char model[] = "mtllib p.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                "usemtl bumpy\nf 1/1 2/2 3/3\nusemtl mapped\nf 1/1 2/2 3/3\n";
+    write_file("p.mtl", mtl, sizeof mtl - 1);
+    write_file("p.obj", model, sizeof model - 1);
+    sag_world *world = sag_world_create(context);
+    sag_error error;
+    if (sag_world_load(world, in_folder("p.obj"), &error) != SAG_OK) fail_msg("%s", error.message);
+    const sagi_appearance *look;
+    const sag_picture_id bumps = material_of(world, 0, &look)->material.normal_map;
+    assert_true(bumps != 0 && look->look.alpha.texture == 0);
+    const sag_texture show = {.kind = SAG_TEXTURE_IMAGE, .picture = bumps};
+    const sag_input input = {.texture = sag_world_add_texture(world, &show)};
+    sagi_spot at = {.u = 0.25, .v = 0.75, .normal = {0, 0, 1}};
+    // Heights of 1/64 a texel by 64 texels, a hundredth, doubled: a slope of 0.02.
+    sag_rgb n = sagi_input_rgb(world, &input, &at);
+    assert_true(fabs((n.r * 2 - 1) + 0.02) < 2e-3 && fabs(n.g * 2 - 1) < 2e-3 && n.b > 0.999);
+    at.u = 0.75;
+    n = sagi_input_rgb(world, &input, &at);
+    assert_true(fabs((n.r * 2 - 1) - 0.02) < 2e-3);
+    at.v = 0.25; // down the picture by 1/32 a texel: falling upward
+    n = sagi_input_rgb(world, &input, &at);
+    assert_true(fabs(n.r * 2 - 1) < 2e-3 && fabs((n.g * 2 - 1) - 0.04) < 3e-3);
+    assert_true(material_of(world, 1, &look)->material.normal_map != 0 && look->look.alpha.texture != 0);
+    sag_world_destroy(world);
+}
+
+// Every model that Debian's assimp-testmodels has loads or says why not, and renders.
+static void test_foreign_models(void **state) {
+    (void)state;
+    static const char *const models[] = {
+        "OBJ/spider.obj",
+        "OBJ/box_mat_with_spaces.obj",
+        "OBJ/cube_with_vertexcolors.obj",
+        "OBJ/regr_3429812.obj",
+        "OBJ/space_in_material_name.obj",
+        "glTF2/BoxTextured-glTF/BoxTextured.gltf",
+        "glTF2/BoxTextured-glTF-Binary/BoxTextured.glb",
+        "glTF2/BoxTextured-glTF-Embedded/BoxTextured.gltf",
+        "glTF2/BoxTextured-glTF-pbrSpecularGlossiness/BoxTextured.gltf",
+        "glTF2/ClearCoat-glTF/ClearCoatTest.gltf",
+        "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb",
+        "glTF2/textureTransform/TextureTransformTest.gltf",
+        "glTF2/simple_skin/simple_skin.gltf",
+    };
+    const char *const folder_of_models = "/usr/share/assimp/models/";
+    int found = 0;
+    for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+        char path[256];
+        snprintf(path, sizeof path, "%s%s", folder_of_models, models[i]);
+        if (access(path, R_OK) != 0) continue;
+        found++;
+        sag_world *world = sag_world_create(context);
+        sag_error error;
+        if (sag_world_load(world, path, &error) != SAG_OK) fail_msg("%s", error.message);
+        sag_settings *settings = sag_world_settings(world);
+        settings->film.width = settings->film.height = 16;
+        settings->samples_per_pixel = 2;
+        sag_render *render = sag_render_create(world, &error);
+        if (!render) fail_msg("%s: %s", path, error.message);
+        assert_int_equal(sag_render_run(render, NULL, NULL, &error), SAG_OK);
+        sag_render_stats stats;
+        sag_render_get_stats(render, &stats);
+        assert_int_equal(stats.bad_samples, 0);
+        sag_render_destroy(render);
+        sag_world_destroy(world);
+    }
+    if (!found) {
+        print_message("assimp-testmodels is not installed\n");
+        skip();
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_order_and_number),
@@ -473,6 +574,8 @@ int main(void) {
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_gltf_materials),
         cmocka_unit_test(test_mtl_materials),
+        cmocka_unit_test(test_mtl_pictures),
+        cmocka_unit_test(test_foreign_models),
         cmocka_unit_test(test_foreign_files),
         cmocka_unit_test(test_truncated_files),
         cmocka_unit_test(test_huge_files),
