@@ -112,7 +112,8 @@ void sagi_color_solve(const sagi_color_space *space, int step_nm, const double r
     integrate(&b, c, xyz, by_c);
     to_lab(space, xyz, lab, slopes);
     double distance = distance2(lab, target);
-    for (int i = 0; i < 25 && distance > 1e-16; i++) {
+    // Below that floats cannot tell.
+    for (int i = 0; i < 25 && distance > 1e-11; i++) {
         double jacobian[3][3], inverse[3][3], step[3], difference[3];
         sagi_matrix_multiply(slopes, by_c, jacobian);
         if (!sagi_matrix_invert(jacobian, inverse)) return;

@@ -3,6 +3,7 @@
 // commit's.
 #include "scene/scene.h"
 #include "base/context.h"
+#include "math/affine_inverse.h"
 #include "shapes/shape.h"
 #include <string.h>
 
@@ -80,12 +81,11 @@ uint32_t sag_add_shape(sag_scene *scene, sag_shape_kind kind, const void *shape)
 }
 
 uint32_t sag_add_instance(sag_scene *scene, sag_scene *child, const sag_affine *to_parent) {
-    sagi_place place;
     if (child == NULL || child == scene)
         return fail_with(scene, SAG_ERROR_ARGUMENT, "an instance needs another scene");
     if (child->cell->current == NULL)
         return fail_with(scene, SAG_ERROR_STATE, "an instance needs a committed scene");
-    if (to_parent != NULL && !sagi_place_make(to_parent, &place))
+    if (to_parent != NULL && !sagi_affine_has_inverse(to_parent))
         return fail_with(scene, SAG_ERROR_GEOMETRY, "the instance's transform is singular");
     if (!reserve(scene)) return fail_with(scene, SAG_ERROR_MEMORY, "out of memory for an instance");
     sagi_geometry g = {.kind = SAG_SHAPE_INSTANCE, .child = sagi_cell_retain(child->cell)};
@@ -109,9 +109,8 @@ const sag_scene *sag_instance_scene(const sag_scene *scene, uint32_t instance) {
 
 sag_status sag_geometry_set_transform(sag_scene *scene, uint32_t geometry, const sag_affine *to_scene) {
     sagi_geometry *g = find(scene, geometry);
-    sagi_place place;
     if (g == NULL) return SAG_ERROR_ARGUMENT;
-    if (to_scene != NULL && !sagi_place_make(to_scene, &place)) return SAG_ERROR_GEOMETRY;
+    if (to_scene != NULL && !sagi_affine_has_inverse(to_scene)) return SAG_ERROR_GEOMETRY;
     g->placed = to_scene != NULL && !sag_affine_is_identity(to_scene);
     if (g->placed) g->to_scene = *to_scene;
     return SAG_OK;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Affine maps: rotation by right angles, inverse, determinant, conservative boxes.
+#include "math/affine_inverse.h"
 #include "support/random.h"
 #include <float.h>
-#include <sagitta/math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -106,6 +106,32 @@ static void inverse_undoes(void **state) {
     expected.m[0][3] = -2, expected.m[1][3] = -2, expected.m[2][3] = 3 * 0x1p-400;
     assert_same(&inverse, &expected, 0);
     assert_true(sag_affine_determinant(&wide) == -0x1p400);
+}
+
+// What is seen at once is what the inverse says.
+static void to_have_an_inverse_is_to_find_one(void **state) {
+    (void)state;
+    rng r = rng_make(11);
+    int with = 0, without = 0;
+    for (int i = 0; i < 20000; i++) {
+        sag_affine a = random_map(&r, 2), inverse;
+        if (i % 4 == 1) // singular, or by one ulp not
+            for (int j = 0; j < 3; j++) {
+                a.m[0][j] = (double)(float)a.m[0][j], a.m[1][j] = (double)(float)a.m[1][j];
+                a.m[2][j] = a.m[0][j] + a.m[1][j];
+            }
+        if (i % 8 == 5) a.m[2][1] = nextafter(a.m[2][1], INFINITY);
+        if (i % 4 == 2) // of any scale
+            for (int k = 0; k < 12; k++)
+                a.m[k / 4][k % 4] = ldexp(a.m[k / 4][k % 4], (int)rng_below(&r, 2100) - 1050);
+        if (i % 4 == 3) // with zeros
+            for (int k = 0; k < 9; k++)
+                if (rng_one_in(&r, 3)) a.m[k / 3][k % 3] = 0;
+        const bool has = sag_affine_inverse(&a, &inverse);
+        assert_true(sagi_affine_has_inverse(&a) == has);
+        with += has, without += !has;
+    }
+    assert_true(with > 5000 && without > 3000);
 }
 
 static void singular_is_decided_exactly(void **state) {
@@ -218,6 +244,7 @@ int main(void) {
         cmocka_unit_test(rotations_are_rigid),
         cmocka_unit_test(along_points_the_z_axis),
         cmocka_unit_test(inverse_undoes),
+        cmocka_unit_test(to_have_an_inverse_is_to_find_one),
         cmocka_unit_test(singular_is_decided_exactly),
         cmocka_unit_test(normals_go_with_the_inverse_transposed),
         cmocka_unit_test(boxes_hold_their_image),
