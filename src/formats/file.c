@@ -72,6 +72,13 @@ static size_t claimed_size(const sagi_file *file, size_t most) {
     return claim >= file->size && claim < most ? claim + 1 : 0;
 }
 
+// Whether so much has come out of so little that the file is refused without waiting for all of it: beyond
+// what is common, several times as much as of a whole file, for some parts are all the same.
+static bool is_bomb(size_t inflated, size_t consumed) {
+    return inflated > SAGI_SMALL_INFLATED_BYTES &&
+           (inflated - SAGI_SMALL_INFLATED_BYTES) / 4 / SAGI_MAX_INFLATION > consumed;
+}
+
 // Inflates into b until the data end. Returns zlib's code: Z_STREAM_END when all went well.
 static int inflate_all(z_stream *stream, const uint8_t *bytes, size_t size, size_t most, buffer *b) {
     const uint8_t *next = bytes;
@@ -79,14 +86,14 @@ static int inflate_all(z_stream *stream, const uint8_t *bytes, size_t size, size
     int code = Z_OK;
     for (;;) {
         if (b->size == b->allocated) {
-            if (b->size >= most) return Z_STREAM_ERROR;
+            if (b->size >= most || is_bomb(b->size, (size_t)(next - bytes))) return Z_STREAM_ERROR;
             if (!buffer_grow(b)) return Z_MEM_ERROR;
         }
         const size_t left = (size_t)(end - next), room = b->allocated - b->size;
         stream->next_in = next;
         stream->avail_in = left > 1u << 30 ? 1u << 30 : (uInt)left;
         stream->next_out = b->bytes + b->size;
-        stream->avail_out = room > 1u << 30 ? 1u << 30 : (uInt)room;
+        stream->avail_out = room > 1u << 24 ? 1u << 24 : (uInt)room;
         code = inflate(stream, Z_NO_FLUSH);
         next = stream->next_in;
         b->size = (size_t)(stream->next_out - b->bytes);
@@ -96,6 +103,7 @@ static int inflate_all(z_stream *stream, const uint8_t *bytes, size_t size, size
             if (end - next < 2 || next[0] != 0x1f || next[1] != 0x8b) return Z_STREAM_END;
             code = inflateReset(stream);
         }
+        if (is_bomb(b->size, (size_t)(next - bytes))) return Z_STREAM_ERROR;
         if (code == Z_BUF_ERROR && stream->avail_out == 0) code = Z_OK;
         if (code != Z_OK) return code;
     }
@@ -128,8 +136,8 @@ static sag_status inflate_file(const char *path, sagi_file *file, sag_error *err
                                 "out of memory inflating the file (over %zu bytes)", b.size);
     if (code == Z_STREAM_ERROR)
         return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0,
-                                "gzip data of %zu bytes that inflate to more than %zu: no scene does",
-                                file->size, most);
+                                "gzip data of %zu bytes that inflate to %zu and more: no scene does",
+                                file->size, b.size);
     return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "gzip data %s after %zu bytes",
                             code == Z_BUF_ERROR ? "end too soon" : "are damaged", b.size);
 }

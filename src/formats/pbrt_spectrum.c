@@ -22,7 +22,11 @@ sag_status sagi_pbrt_read_numbers(sagi_pbrt *p, const sagi_param *param, sagi_sl
              name.text);
     sagi_pbrt_path(p, text, path);
     sagi_source source = {.file = {0}};
-    if (sagi_file_open(p->context, path, &source.file, NULL) != SAG_OK)
+    sag_error reason;
+    const sag_status opened = sagi_file_open(p->context, path, &source.file, &reason);
+    if (opened != SAG_OK && opened != SAG_ERROR_IO)
+        return sagi_params_fail(&p->params, param, "%.200s: %.200s", text, reason.message);
+    if (opened != SAG_OK)
         return sagi_params_fail(&p->params, param, "there is no %sfile called \"%.200s\"",
                                 param->type == SAGI_TYPE_SPECTRUM ? "spectrum and no " : "", text);
     snprintf(source.path, sizeof source.path, "%s", path);
