@@ -42,12 +42,12 @@ typedef struct search {
     bool both_sides; // see sagi_kernel
     uint32_t path_length;
     double grain, reach;         // grain · (|t| + reach), mostly 0 (solid_parts.inl)
+    later *later;                // of a batch (put_off.inl), else NULL
+    const sag_hit *known;        // the first crossing of a solid's part 0, if it is known, else NULL
     sagi_collector collector;    // ALL
     sagi_repeats repeats;        // ALL: what of it may come again
     const sagi_visitor *visitor; // ALL: takes everything in place of these two, when there is one
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
-    later *later;         // of a batch (put_off.inl), else NULL
-    const sag_hit *known; // the first crossing of a solid's part 0, if it is known, else NULL
 } search;
 
 // A certain hit that waits (triangles.inl, spheres.inl).
@@ -239,16 +239,18 @@ SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const slabs *r,
 
 // What comes before the tree. False when the ray has no business there; *over when the search is over.
 SAGI_INLINE bool come_to_tree(question asked, level *here, bool *over) {
+    // (Known before anything is called: fetched from *here later on, all would wait for it.)
     const sagi_world *world = here->world;
+    const sag_ray *ray = here->ray;
     *over = false;
     if (world->unbounded_count != 0) {
-        if (!sag_ray_is_valid(here->ray)) return false;
+        if (!sag_ray_is_valid(ray)) return false;
         if (list(asked, here, world->unbounded, world->unbounded_count)) return !(*over = true);
     }
-    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, here->ray, &here->tree_ray)) return false;
+    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, ray, &here->tree_ray)) return false;
     here->in_tree = true;
     here->limit = here->tree_ray.limit;
-    if (world->unbounded_count != 0 && here->t_max < here->ray->t_max) lower_t_max(here, here->t_max);
+    if (world->unbounded_count != 0 && here->t_max < ray->t_max) lower_t_max(here, here->t_max);
     return true;
 }
 
@@ -265,10 +267,16 @@ SAGI_INLINE bool pop(question asked, float limit, stack *waits, waiting *next) {
 
 // A leaf by a function of its own: in one with the loop, the registers would not do for both. And what a
 // block of triangles that are all missed does not need, by further ones: so there is nothing to save here.
+static __attribute__((noinline)) bool take_several(question asked, level *here,
+                                                   const sagi_triangle_block *block,
+                                                   const block_answer *answer, float begin) {
+    return take_triangles(asked, here, block, answer, begin);
+}
 static __attribute__((noinline)) bool take_apart(question asked, level *here,
                                                  const sagi_triangle_block *block, const block_answer *answer,
                                                  float begin) {
-    return take_triangles(asked, here, block, answer, begin);
+    if (asked == CLOSEST && take_only(here, block, answer, begin)) return false;
+    return take_several(asked, here, block, answer, begin);
 }
 static __attribute__((noinline)) bool others_apart(question asked, level *here, const sagi_block *block,
                                                    float begin) {
@@ -279,15 +287,15 @@ static __attribute__((noinline)) bool leaf_apart(question asked, level *here, co
     if (block->kind != SAGI_BLOCK_TRIANGLES) return others_apart(asked, here, block, begin);
     const sagi_triangle_block *triangles = (const sagi_triangle_block *)(const void *)block;
     SAGI_KERNEL_COUNT(blocks);
-    return meet_triangles(triangles, &here->tree_ray, begin, here->limit, true, answer) &&
+    return meet_triangles(triangles, &here->tree_ray, begin, here->limit, false, answer) &&
            take_apart(asked, here, triangles, answer, begin);
 }
 
 // True when the search is over.
 SAGI_INLINE bool walk(question asked, level *here) {
     bool over;
-    if (!come_to_tree(asked, here, &over)) return over;
     const sagi_bvh *tree = &here->world->tree;
+    if (!come_to_tree(asked, here, &over)) return over;
     // (Multiplied in one go, not in three steps.)
     const size_t node_bytes = sagi_opaque(sizeof(sagi_bvh_node));
     const unsigned char *nodes = (const unsigned char *)tree->nodes;

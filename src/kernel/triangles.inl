@@ -76,7 +76,8 @@ SAGI_INLINE sagi_d4 grid_zero(uint64_t base) {
 // bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
 SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray, float begin, double steps,
                                sagi_d4 *at) {
-    *at = ((ray->p + ray->d * sagi_d4_fill((double)begin)) - grid_zero(head->base)) * sagi_d4_fill(steps);
+    *at =
+        (ray->p - grid_zero(head->base)) * sagi_d4_fill(steps) + ray->d * sagi_d4_fill((double)begin * steps);
     return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(*at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
                7 &&
            ray->error * steps <= 0.125;
@@ -272,19 +273,47 @@ static inline bool add_candidate(level *here, const sagi_block *block, uint32_t 
     return true;
 }
 
-static inline void add_triangle(level *here, const sagi_triangle_block *block, const block_answer *answer,
-                                uint32_t lane, float begin) {
-    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0. A hit before the block's box, as a triangle
-    // that stands in several leaves may have it, is the matter of the leaf that holds it.
+// When the candidate in a lane of the block is met. False when that is before the block's box: a triangle
+// that stands in several leaves may have it so, and is the matter of the leaf that holds the hit.
+SAGI_INLINE bool times_of(const sagi_triangle_block *block, const block_answer *answer, uint32_t lane,
+                          float begin, float *earliest, float *latest) {
+    // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
     float step = (float)power_of_two(-(int)block->head.exponent);
     float t = answer->t[lane], d = answer->d[lane], b0 = answer->b0[lane];
-    if (t + b0 < 0) return;
-    float latest = begin + (t + b0) / (d - answer->b1) * step;
-    float earliest = begin + sagi_float_max((t - b0) / (d + answer->b1), 0) * step;
-    latest *= 1 + 0x1p-20F, earliest *= 1 - 0x1p-20F;
-    if (!add_candidate(here, &block->head, lane, earliest, latest)) return;
-    const sag_mesh *mesh = item_of(here, &block->head)->shape;
+    *latest = (begin + (t + b0) / (d - answer->b1) * step) * (1 + 0x1p-20F);
+    *earliest = (begin + sagi_float_max((t - b0) / (d + answer->b1), 0) * step) * (1 - 0x1p-20F);
+    return !(t + b0 < 0);
+}
+SAGI_INLINE void fetch_numbers(const sag_mesh *mesh, const sagi_triangle_block *block, uint32_t lane) {
     __builtin_prefetch(mesh->triangles + 3 * (size_t)block->primitive[lane]);
+}
+
+static inline void add_triangle(level *here, const sagi_triangle_block *block, const block_answer *answer,
+                                uint32_t lane, float begin) {
+    float earliest, latest;
+    if (times_of(block, answer, lane, begin, &earliest, &latest) &&
+        add_candidate(here, &block->head, lane, earliest, latest))
+        fetch_numbers(item_of(here, &block->head)->shape, block, lane);
+}
+
+// CLOSEST: the same of a block in which one triangle is met, for certain, while no other waits, as it is
+// mostly. False when that is not so.
+SAGI_INLINE bool take_only(level *here, const sagi_triangle_block *block, const block_answer *answer,
+                           float begin) {
+    const sagi_item *item = item_of(here, &block->head);
+    const sag_mesh *mesh = item->shape;
+    const uint32_t certain = answer->certain;
+    if (answer->uncertain != 0 || (certain & (certain - 1)) != 0 || here->candidate_count != 0 ||
+        mesh->one_sided || !sees(here, item))
+        return false;
+    const uint32_t lane = (uint32_t)__builtin_ctz(certain);
+    float earliest, latest;
+    if (!times_of(block, answer, lane, begin, &earliest, &latest)) return true;
+    here->limit = sagi_float_min(here->limit, latest);
+    if (!(earliest <= here->limit)) return true;
+    here->candidates[0] = (candidate){&block->head, lane, earliest}, here->candidate_count = 1;
+    fetch_numbers(mesh, block, lane);
+    return true;
 }
 
 // What follows from a block's answer, which is not that all are missed.
