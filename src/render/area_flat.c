@@ -2,14 +2,15 @@
 // Flat lights: triangles of meshes, rectangles, parallelograms.
 //
 // Near ones are sampled over the directions they fill (spherical.c), unless they fill so little that rounding
-// shows, or so much that the point is nearly on them (pbrt-v4's limits). Far ones are sampled by area, at a
-// quarter of the cost: of a light of size s at distance d, at height h over its plane, the radiance per area
+// shows, or so much that the point is nearly on them (pbrt-v4's limits). Far ones are sampled by area, for
+// less: of a light of size s at distance d, at height h over its plane, the radiance per area
 // goes with cos θ/d² = h/d³, h being the same all over it. Over the light d changes by s at most, so with
 // s²/d² ≤ 1/8 that changes by 1.5 s/d ≤ 0.53 of its middle at most: if evenly, a variance of 2.3 % of the
-// square of what arrives, and less where the light is not seen end on. In the Cornell box it makes the mean
-// square error greater by a quarter of a percent, and the picture by 3 % quicker; on a floor that sees
-// nothing but one lamp the error, there of 0.22 % at 64 samples, becomes 0.27 %. Whether a light is far is
-// told from its middle, without looking at its corners.
+// square of what arrives, and less where the light is not seen end on. Of the Cornell box and three more
+// scenes (64 samples) the mean square error beside a limit of 1/16 stays as it was to 0.1 %; the box
+// takes 2.8 % fewer instructions. On a floor that sees nothing but one lamp, where there is little other
+// noise, the error of 0.22 % (1/16) becomes 0.27 %. Whether a light is far is told from its middle, without
+// looking at its corners.
 //
 // All that does not depend on the point that is shone on is worked out once, unless the light has textures or
 // vertex normals that do not agree which side is its front: plane, front, and how far off the traced surface
