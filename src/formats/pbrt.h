@@ -216,6 +216,8 @@ sag_status sagi_pbrt_texture(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_material(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_make_named_material(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_named_material(sagi_pbrt *p, sagi_place place);
+// Whether a material is none, as far as is known: one may be used before it is made.
+bool sagi_pbrt_is_interface(const sagi_pbrt *p, uint32_t id);
 sag_status sagi_pbrt_light_source(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_area_light_source(sagi_pbrt *p, sagi_place place);
 sag_status sagi_pbrt_shape(sagi_pbrt *p, sagi_place place);

@@ -72,7 +72,7 @@ static sag_input read_index(sagi_pbrt *p, const char *name) {
     return sagi_pbrt_spectrum_input(p, name, SAGI_SPECTRUM_INDEX, 1.5);
 }
 
-static bool is_interface(const sagi_pbrt *p, uint32_t id) {
+bool sagi_pbrt_is_interface(const sagi_pbrt *p, uint32_t id) {
     const sagi_material *materials = p->world->materials.items;
     return id != 0 && materials[id - 1].material.kind == SAG_MATERIAL_INTERFACE;
 }
@@ -96,7 +96,7 @@ static void read_mix(sagi_pbrt *p, sag_material *m) {
             sagi_params_fail(params, materials, "there is no material \"%.*s\" yet", length, name.text);
         else if (!sagi_pbrt_find(p, &p->materials, name, &m->materials[i]))
             params->status = sagi_pbrt_promise(p, materials->place, &p->materials, name, &m->materials[i]);
-        else if (made && is_interface(p, m->materials[i]))
+        else if (made && sagi_pbrt_is_interface(p, m->materials[i]))
             sagi_params_fail(params, materials, "an interface (\"%.*s\") cannot be mixed", length, name.text);
     }
 }

@@ -85,6 +85,9 @@ static sag_appearance look_of(sagi_pbrt *p, sag_shape_kind kind, double area) {
     if (p->state.area_light.on && p->in_object && !p->solid.scene) {
         sagi_pbrt_warn_once(p, p->params.place, "object lights",
                             "area lights within objects are not supported: they do not shine");
+    } else if (p->state.area_light.on && sagi_pbrt_is_interface(p, p->state.material)) {
+        sagi_pbrt_warn_once(p, p->params.place, "interface lights",
+                            "area lights of the material \"interface\" do not shine, as in pbrt");
     } else if (p->state.area_light.on) {
         const sag_input *const radiance = &p->state.area_light.radiance;
         // As in pbrt a triangle is a light of its own.

@@ -344,6 +344,20 @@ static void test_mirrored_quadrics_are_turned(void **state) {
     }
 }
 
+// What is not there does not shine, in pbrt and here: once it lit a room that pbrt leaves dark.
+static void test_an_interface_does_not_shine(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sag_world *world =
+            scene_load_good(i ? W "Material \"diffuse\" AreaLightSource \"diffuse\" Shape \"sphere\""
+                              : W "Material \"interface\" AreaLightSource \"diffuse\" Shape \"sphere\"");
+        assert_int_equal(scene_warning_count, 1 - i);
+        const sagi_appearance *look = world->appearances.items;
+        assert_true((look->look.emission.g > 0) == (i == 1));
+        sag_world_destroy(world);
+    }
+}
+
 static void test_objects_and_attributes(void **state) {
     (void)state;
     sag_world *world = scene_load_good(
@@ -503,6 +517,7 @@ int main(void) {
         cmocka_unit_test(test_corner_uv),
         cmocka_unit_test(test_mirrored_meshes_keep_their_front),
         cmocka_unit_test(test_mirrored_quadrics_are_turned),
+        cmocka_unit_test(test_an_interface_does_not_shine),
         cmocka_unit_test(test_objects_and_attributes),
         cmocka_unit_test(test_lights_and_materials),
         cmocka_unit_test(test_shared_scenes),
