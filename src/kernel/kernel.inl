@@ -180,11 +180,9 @@ typedef struct slabs {
 
 SAGI_INLINE slabs slabs_of(const sagi_float_ray *r) {
     slabs s;
-    for (int k = 0; k < 3; k++) {
-        s.near_scale[k] = sagi_f8_fill(r->near_scale[k]), s.near_add[k] = sagi_f8_fill(r->near_add[k]);
-        s.far_scale[k] = sagi_f8_fill(r->far_scale[k]), s.far_add[k] = sagi_f8_fill(r->far_add[k]);
-        s.near_at[k] = r->planes.near_at[k], s.far_at[k] = r->planes.far_at[k];
-    }
+    sagi_f8_fill3(&r->near_scale, s.near_scale), sagi_f8_fill3(&r->near_add, s.near_add);
+    sagi_f8_fill3(&r->far_scale, s.far_scale), sagi_f8_fill3(&r->far_add, s.far_add);
+    for (int k = 0; k < 3; k++) s.near_at[k] = r->planes.near_at[k], s.far_at[k] = r->planes.far_at[k];
     s.from = sagi_f8_fill(r->from);
     return s;
 }

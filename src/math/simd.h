@@ -147,6 +147,14 @@ SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     return (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps((__m256i)a));
 }
 SAGI_INLINE uint32_t sagi_d4_signs(sagi_d4 a) { return (uint32_t)_mm256_movemask_pd((__m256d)a); }
+// Each of the first three of four numbers, which stand at a multiple of 16 bytes, in all lanes: by one load
+// and three permutations, for where it is loads that there are most of.
+SAGI_INLINE void sagi_f8_fill3(const sagi_f4 *a, sagi_f8 out[3]) {
+    __m256 twice = _mm256_broadcast_ps((const __m128 *)(const void *)a);
+    __asm__("" : "+x"(twice)); // or the compiler would load them one by one after all
+    out[0] = (sagi_f8)_mm256_permute_ps(twice, 0x00), out[1] = (sagi_f8)_mm256_permute_ps(twice, 0x55);
+    out[2] = (sagi_f8)_mm256_permute_ps(twice, 0xaa);
+}
 // The least of eight whole numbers without a sign.
 SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) {
     __m128i m = _mm_min_epu32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
@@ -167,6 +175,9 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // 
 }
 SAGI_INLINE sagi_d4 sagi_d4_sqrt(sagi_d4 a) {
     return (sagi_d4){__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]), __builtin_sqrt(a[3])};
+}
+SAGI_INLINE void sagi_f8_fill3(const sagi_f4 *a, sagi_f8 out[3]) {
+    for (int i = 0; i < 3; i++) out[i] = sagi_f8_fill((*a)[i]);
 }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a < b, a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return sagi_d4_select(a > b, a, b); }
