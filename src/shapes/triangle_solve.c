@@ -77,7 +77,9 @@ bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const 
     sagi_solve1_pair of = {lanes_of(ray->o), lanes_of(ray->d), lanes_of(*a), lanes_of(*b), lanes_of(*c)};
     sagi_solve1_step s;
     sagi_solve1_solve(&of, &s);
-    if (sagi_solve1_good(&s) || sagi_triangle_refine(&of, -INFINITY, INFINITY, &s) == SAGI_TRIANGLE_SOLVED)
+    bool good = sagi_solve1_good(&s);
+    if (!good) sagi_solve1_again(&of, &s), good = sagi_solve1_good(&s);
+    if (good || sagi_triangle_refine(&of, -INFINITY, INFINITY, &s) == SAGI_TRIANGLE_SOLVED)
         return accept(ray, s.t, s.u, s.v, t, u, v);
     return solve_carefully(ray, a, b, c, t, u, v);
 }

@@ -17,9 +17,9 @@
 //    triangle is large beside the distance. There is nothing in a row but this, and D is worked out beside
 //    it.
 // 2. Where that is not good enough, the same again from the t that it gave. Now the step n · P / D is so
-//    small that D's error does not matter. The weights follow from P once it is corrected: Q = n · P/D · d −
-//    P = u (b − a) + v (c − a), so u = (Q × (c − a)) · n / n², v = ((b − a) × Q) · n / n²: for rays that
-//    graze the triangle.
+//    small that D's error does not matter. Where the weights are not good either, as of rays that graze the
+//    triangle, they follow from P once it is corrected: Q = n · P/D · d − P = u (b − a) + v (c − a), so
+//    u = (Q × (c − a)) · n / n², v = ((b − a) × Q) · n / n² (sagi_triangle_refine).
 // 3. The same step with n · P in double-doubles from exact differences. Products and sums there are good to
 //    7 · 2⁻¹⁰⁶ and 3 · 2⁻¹⁰⁶, so n · P to 2⁻¹⁰⁰ S(P), and only D is still a double. Where that is not enough
 //    either, all of it in double-doubles, good to 46 · 2⁻¹⁰⁶ (2⁻¹⁰⁰ is used) of E² |a − o|₁ and so on, E
@@ -238,8 +238,13 @@ SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, sagi
                                  .c = c};
     sagi_solve1_step s;
     sagi_solve1_solve(&of, &s);
-    if (__builtin_expect(!sagi_solve1_good(&s), 0)) { // of rays that are not much longer than the triangle
+    bool good = sagi_solve1_good(&s);
+    if (!good) { // of rays that are not much longer than the triangle
         if (sagi_solve1_beyond(&s, ray->t_min, t_max)) return false;
+        sagi_solve1_again(&of, &s);
+        good = sagi_solve1_good(&s);
+    }
+    if (__builtin_expect(!good, 0)) {
         const sagi_solve1_pair pair = of; // so that the other one need not be in memory
         sagi_solve1_step step = s;
         return sagi_triangle_solve_on(ray, t_max, &pair, &step, t, u, v);
@@ -291,15 +296,20 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
     of.c = sagi_d4_columns(four->corner[2], &unused);
     sagi_solve4_step s;
     sagi_solve4_solve(&of, &s);
-    const sagi_l4 good = sagi_solve4_good(&s);
+    sagi_l4 good = sagi_solve4_good(&s), beyond = {0, 0, 0, 0};
+    if (sagi_d4_signs((sagi_d4)good) != 15) {
+        beyond = ~good & sagi_solve4_beyond(&s, rest.z, four->t_max);
+        sagi_solve4_step second = s;
+        sagi_solve4_again(&of, &second);
+        s.t = sagi_d4_select(good, s.t, second.t);
+        good |= sagi_solve4_good(&second);
+    }
     const sagi_d4 zero = sagi_d4_fill(0), one = sagi_d4_fill(1);
     four->t = s.t;
     four->u = sagi_d4_min(sagi_d4_max(s.u, zero), one);
     four->v = sagi_d4_min(sagi_d4_max(s.v, zero), one - four->u);
     uint32_t hit = lanes & sagi_d4_signs((sagi_d4)(good & (s.t >= rest.z) & (s.t <= four->t_max)));
-    uint32_t left = lanes & ~sagi_d4_signs((sagi_d4)good);
-    if (__builtin_expect(left != 0, 0))
-        left &= ~sagi_d4_signs((sagi_d4)sagi_solve4_beyond(&s, rest.z, four->t_max));
+    uint32_t left = lanes & ~sagi_d4_signs((sagi_d4)(good | beyond));
     for (; __builtin_expect(left != 0, 0); left &= left - 1) {
         const int i = __builtin_ctz(left);
         const sagi_d4 corner[3] = {four->corner[0][i], four->corner[1][i], four->corner[2][i]};
