@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-// |x| ≤ π/2; errors below 3·2⁻⁵³. Taylor's series, cut off where a term is below 2⁻⁵⁴, both at once.
+// |x| ≤ π/2; errors below 6·2⁻⁵³ (4 in three million). Taylor's series, cut off where a term is below 2⁻⁵⁴,
+// both at once.
 static inline void sagi_quick_sincos(double x, double *sine, double *cosine) {
     typedef double pair __attribute__((vector_size(16)));
     const double z = x * x;
@@ -24,7 +25,8 @@ static inline void sagi_quick_sincos(double x, double *sine, double *cosine) {
     *cosine = 1 + z * (z * p[1] - 0.5);
 }
 
-// Of the angle 2π u, u in [0, 1]: of twice π u − π/2, and turned by half a circle.
+// Of the angle 2π u, u in [0, 1]: of twice π u − π/2, and turned by half a circle. Errors below 2⁻⁴⁹: those
+// of the sine and cosine count 2(|s| + |c|) ≤ 2√2 times, the angle's and the product's are a few roundings.
 static inline void sagi_quick_turn(double u, double *sine, double *cosine) {
     double s, c;
     sagi_quick_sincos((u - 0.5) * 0x1.921fb54442d18p+1, &s, &c);

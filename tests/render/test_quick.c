@@ -21,7 +21,7 @@ static void sine_and_cosine_are_near(void **state) {
         double s, c, sine, cosine;
         sagi_quick_sincos(x, &s, &c);
         sagi_sincos(x, &sine, &cosine);
-        assert_true(fabs(s - sine) <= 3 * 0x1p-53 && fabs(c - cosine) <= 3 * 0x1p-53);
+        assert_true(fabs(s - sine) <= 6 * 0x1p-53 && fabs(c - cosine) <= 6 * 0x1p-53);
     }
 }
 
@@ -33,7 +33,8 @@ static void turns_are_near(void **state) {
         double s, c, sine, cosine;
         sagi_quick_turn(u, &s, &c);
         sagi_sincos(4 * HALF_PI * u, &sine, &cosine);
-        assert_true(fabs(s - sine) <= 0x1p-50 && fabs(c - cosine) <= 0x1p-50);
+        // (The exact one's angle, up to 2π, is off by up to 6·2⁻⁵³ itself.)
+        assert_true(fabs(s - sine) <= 0x1p-49 && fabs(c - cosine) <= 0x1p-49);
     }
 }
 
