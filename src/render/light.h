@@ -23,7 +23,7 @@ typedef struct sagi_light {
     bool chosen;               // it is at infinity, and not black
     sag_affine from_world;     // with a picture: directions to its space
     sagi_window_table table;   // infinite with a picture: by brightness
-    sagi_glow *texels;        // its light; NULL: made when it is wanted
+    sagi_glow *texels;         // its light; NULL: made when it is wanted
     size_t texel_count;
     sagi_portal portal; // infinite with a portal; its picture, then, in place of light.image
     sag_vec2 screen;    // projection: half the picture's sizes at distance 1
