@@ -117,30 +117,28 @@ static bool add_bad_samples(cJSON *json, const sag_render_stats *stats) {
     return good;
 }
 
-static sag_status write_stats(const render_options *o, sag_world *world, const sag_render *render,
+static sag_status write_stats(const render_options *o, sag_world *world, const sag_render_stats *r,
                               const char *output, sag_error *error) {
     sag_context *context = sag_world_context(world);
     const sag_settings *settings = sag_world_settings(world);
-    sag_render_stats r;
     sag_scene_stats s;
     size_t peak = 0;
-    sag_render_get_stats(render, &r);
     sag_scene_get_stats(sag_world_scene(world), &s);
     sag_context_memory(context, NULL, &peak);
     const struct {
         const char *name;
         double value;
     } numbers[] = {
-        {"width", r.width},
-        {"height", r.height},
+        {"width", r->width},
+        {"height", r->height},
         {"samples_per_pixel", settings->samples_per_pixel},
         {"load_seconds", load_seconds},
-        {"build_seconds", r.build_seconds},
-        {"trace_seconds", r.trace_seconds},
-        {"rays", (double)r.rays},
-        {"rays_per_second", r.trace_seconds > 0 ? (double)r.rays / r.trace_seconds : 0},
-        {"camera_samples", (double)r.camera_samples},
-        {"bad_samples", (double)r.bad_samples},
+        {"build_seconds", r->build_seconds},
+        {"trace_seconds", r->trace_seconds},
+        {"rays", (double)r->rays},
+        {"rays_per_second", r->trace_seconds > 0 ? (double)r->rays / r->trace_seconds : 0},
+        {"camera_samples", (double)r->camera_samples},
+        {"bad_samples", (double)r->bad_samples},
         {"peak_bytes", (double)peak},
         {"process_peak_bytes", (double)peak_memory()},
         {"threads", sag_context_thread_count(context)},
@@ -158,7 +156,7 @@ static sag_status write_stats(const render_options *o, sag_world *world, const s
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && good; i++) {
         good = cJSON_AddNumberToObject(json, numbers[i].name, numbers[i].value) != NULL;
     }
-    if (good) good = add_bad_samples(json, &r);
+    if (good) good = add_bad_samples(json, r);
     char *text = good ? cJSON_Print(json) : NULL;
     cJSON_Delete(json);
     if (!text) return sag_error_set(error, SAG_ERROR_MEMORY, "out of memory for %s", o->stats);
@@ -172,24 +170,23 @@ static sag_status write_stats(const render_options *o, sag_world *world, const s
     return status;
 }
 
-static void say_what_was_made(sag_world *world, const sag_render *render, const char *output) {
+static void say_what_was_made(sag_world *world, const sag_render_stats *r, const char *output) {
     char seconds[TEXT_BYTES], rays[TEXT_BYTES], load[TEXT_BYTES], build[TEXT_BYTES], bad[TEXT_BYTES];
     const sag_settings *settings = sag_world_settings(world);
-    sag_render_stats r;
-    sag_render_get_stats(render, &r);
     fprintf(stderr, "%s: %u x %u, %u sample%s a pixel in %s, %s on %u thread%s (load %s, build %s)\n", output,
-            r.width, r.height, settings->samples_per_pixel, settings->samples_per_pixel == 1 ? "" : "s",
-            text_seconds(seconds, r.trace_seconds), text_rate(rays, (double)r.rays, r.trace_seconds, "rays"),
+            r->width, r->height, settings->samples_per_pixel, settings->samples_per_pixel == 1 ? "" : "s",
+            text_seconds(seconds, r->trace_seconds),
+            text_rate(rays, (double)r->rays, r->trace_seconds, "rays"),
             sag_context_thread_count(sag_world_context(world)),
             sag_context_thread_count(sag_world_context(world)) == 1 ? "" : "s",
-            text_seconds(load, load_seconds), text_seconds(build, r.build_seconds));
-    if (r.bad_samples) {
+            text_seconds(load, load_seconds), text_seconds(build, r->build_seconds));
+    if (r->bad_samples) {
         fprintf(stderr, "sagitta: warning: %s of the samples were not numbers and were dropped:",
-                text_count(bad, r.bad_samples));
-        for (uint32_t i = 0; i < r.bad_told; i++)
-            fprintf(stderr, "%s pixel (%u, %u) sample %u", i ? "," : "", r.bad[i].x, r.bad[i].y,
-                    r.bad[i].sample);
-        fprintf(stderr, "%s\n", r.bad_samples > r.bad_told ? ", ..." : "");
+                text_count(bad, r->bad_samples));
+        for (uint32_t i = 0; i < r->bad_told; i++)
+            fprintf(stderr, "%s pixel (%u, %u) sample %u", i ? "," : "", r->bad[i].x, r->bad[i].y,
+                    r->bad[i].sample);
+        fprintf(stderr, "%s\n", r->bad_samples > r->bad_told ? ", ..." : "");
     }
 }
 
@@ -228,29 +225,30 @@ static void show_depth(sag_image *image, const char *output, bool quiet) {
                 (double)near);
 }
 
-static sag_status write_layers(sag_world *world, const sag_render *render, const char *output,
-                               sag_error *error) {
-    sag_context *context = sag_world_context(world);
-    sag_layers layers = {0};
-    sag_status status = sag_render_get_layers(render, &layers, error);
-    if (status == SAG_OK) status = sag_layers_write(context, &layers, output, error);
-    sag_layers_clear(context, &layers);
-    return status;
+// What was rendered: all layers of it, or the picture alone.
+typedef struct made_picture {
+    bool layered;
+    sag_layers layers;
+    sag_image image;
+    sag_render_stats stats;
+} made_picture;
+
+static sag_status take_picture(const sag_render *render, made_picture *p, sag_error *error) {
+    sag_render_get_stats(render, &p->stats);
+    return p->layered ? sag_render_get_layers(render, &p->layers, error)
+                      : sag_render_get_image(render, &p->image, error);
 }
 
-static sag_status write_picture(const render_options *o, sag_world *world, const sag_render *render,
+static sag_status write_picture(const render_options *o, sag_world *world, made_picture *p,
                                 const char *output, sag_error *error) {
     sag_context *context = sag_world_context(world);
+    if (p->layered) return sag_layers_write(context, &p->layers, output, error);
     const sag_settings *settings = sag_world_settings(world);
-    sag_image image = {0};
-    sag_status status = sag_render_get_image(render, &image, error);
-    if (status == SAG_OK && settings->film.layers != 0)
+    if (settings->film.layers != 0)
         sag_context_log(context, SAG_LOG_WARNING, "%s: layers are written to .exr files only", output);
     const bool is_depth = settings->integrator == SAG_INTEGRATOR_DEPTH;
-    if (status == SAG_OK && is_depth && has_ending(output, ".png")) show_depth(&image, output, o->quiet);
-    if (status == SAG_OK) status = sag_image_write(context, &image, output, error);
-    sag_image_clear(context, &image);
-    return status;
+    if (is_depth && has_ending(output, ".png")) show_depth(&p->image, output, o->quiet);
+    return sag_image_write(context, &p->image, output, error);
 }
 
 static int make_picture(const render_options *o, sag_world *world, const char *output, progress *bar) {
@@ -262,13 +260,15 @@ static int make_picture(const render_options *o, sag_world *world, const char *o
     progress_begin(bar, "rendering", "samples", o->quiet);
     sag_status status = sag_render_run(render, on_progress, bar, &error);
     progress_end(bar);
-    const bool layered = sag_world_settings(world)->film.layers != 0 && has_ending(output, ".exr");
-    if (status == SAG_OK)
-        status = layered ? write_layers(world, render, output, &error)
-                         : write_picture(o, world, render, output, &error);
-    if (status == SAG_OK && o->stats) status = write_stats(o, world, render, output, &error);
-    if (status == SAG_OK && !o->quiet) say_what_was_made(world, render, output);
-    sag_render_destroy(render);
+    made_picture made = {.layered =
+                             sag_world_settings(world)->film.layers != 0 && has_ending(output, ".exr")};
+    if (status == SAG_OK) status = take_picture(render, &made, &error);
+    sag_render_destroy(render); // its film is as large as the picture and the file together
+    if (status == SAG_OK) status = write_picture(o, world, &made, output, &error);
+    sag_image_clear(sag_world_context(world), &made.image);
+    sag_layers_clear(sag_world_context(world), &made.layers);
+    if (status == SAG_OK && o->stats) status = write_stats(o, world, &made.stats, output, &error);
+    if (status == SAG_OK && !o->quiet) say_what_was_made(world, &made.stats, output);
     return status == SAG_OK ? TOOL_OK : report_error(&error);
 }
 

@@ -222,11 +222,11 @@ static int64_t on_write(exr_const_context_t exr, void *user, const void *data, u
         uint8_t *bytes = sag_allocate(w->context, larger);
         if (!bytes) return -1;
         if (w->size) memcpy(bytes, w->bytes, w->size);
-        memset(bytes + w->size, 0, larger - w->size);
         sag_release(w->context, w->bytes, w->allocated);
         w->bytes = bytes;
         w->allocated = larger;
     }
+    if (offset > w->size) memset(w->bytes + w->size, 0, (size_t)offset - w->size);
     memcpy(w->bytes + offset, data, count);
     if (end > w->size) w->size = end;
     return (int64_t)count;
