@@ -14,7 +14,6 @@
 #include "formats/pbrt_later.h"
 #include "formats/pbrt_promise.h"
 #include "formats/pbrt_solid.h"
-#include "math/affine_inverse.h"
 
 #include <string.h>
 
@@ -232,7 +231,8 @@ sag_status sagi_pbrt_object_instance(sagi_pbrt *p, sagi_place place) {
     if (status != SAG_OK) return status;
     if (p->in_object && !p->solid.scene)
         return sagi_place_error(place, p->error, "ObjectInstance within an object");
-    if (!sagi_affine_has_inverse(&p->state.ctm))
+    sag_affine inverse;
+    if (!sag_affine_inverse(&p->state.ctm, &inverse))
         return sagi_place_error(place, p->error,
                                 "the object \"%.100s\" cannot be placed: the transform is singular", name);
     if (!p->solid.scene && !sagi_names_get(&p->object_names, (sagi_slice){name, strlen(name)}, NULL))
