@@ -68,8 +68,13 @@ SAGI_INLINE sagi_d4 sagi_mesh_normal(const sag_mesh *s, const uint32_t corner[3]
 // third vertex: all of *surface but its side, geometry SAG_INVALID_ID.
 SAGI_INLINE void sagi_mesh_point(const sag_mesh *s, uint32_t i, double u, double v, sag_surface *surface) {
     const uint32_t *corner = &s->triangles[3 * (size_t)i];
+    // Three numbers each and no more: the mesh may be a user's, whose memory ends with the last vertex.
     sagi_d4 p[3];
-    sagi_mesh_corners(s, i, false, p);
+    for (int k = 0; k < 3; k++) {
+        const size_t at = 3 * (size_t)corner[k];
+        p[k] = s->positions_f64 ? sagi_d4_load3(s->positions_f64 + at)
+                                : sagi_d4_load3_float(s->positions_f32 + at);
+    }
     const sagi_d4 ab = p[1] - p[0], ac = p[2] - p[0], size_ab = sagi_d4_abs(ab), size_ac = sagi_d4_abs(ac);
     const sagi_d4 us = sagi_d4_fill(u), vs = sagi_d4_fill(v);
     const double edge = sagi_d4_most3(sagi_d4_max(size_ab, size_ac));

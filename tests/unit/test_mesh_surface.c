@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Surfaces of triangles: every instruction set's kernel gives the bits of sag_mesh_surface, and these are
 // what the formulas say, also where texture coordinates or normals are of no use.
+#define _DEFAULT_SOURCE // MAP_ANONYMOUS
 #include "kernel/kernel.h"
 #include "support/random.h"
 
@@ -10,6 +11,8 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -107,7 +110,41 @@ static void kernels_agree(void **state) {
     assert_true(checked > 5000);
 }
 
+// A copy that ends where memory ends: to read beyond it is a crash. Never given back.
+static void *at_the_end(const void *bytes, size_t size) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    uint8_t *pages = mmap(NULL, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    assert_true(pages != MAP_FAILED && size <= page);
+    assert_int_equal(mprotect(pages + page, page, PROT_NONE), 0);
+    return memcpy(pages + page - size, bytes, size);
+}
+
+// Regression: a user's vertices were fetched with the number after them.
+static void nothing_is_read_beyond_the_last_vertex(void **state) {
+    (void)state;
+    const float p[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, n[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1},
+                uv[6] = {0, 0, 1, 0, 0, 1};
+    const double fine[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const uint32_t corners[3] = {0, 1, 2};
+    sag_mesh m = {.triangles = at_the_end(corners, sizeof corners),
+                  .normals_f32 = at_the_end(n, sizeof n),
+                  .texcoords_f32 = at_the_end(uv, sizeof uv),
+                  .vertex_count = 3,
+                  .triangle_count = 1};
+    const sag_ray ray = {.origin = {0.25, 0.25, 1}, .direction = {0, 0, -1}, .t_max = INFINITY};
+    for (int doubles = 0; doubles < 2; doubles++) {
+        m.positions_f32 = doubles ? NULL : at_the_end(p, sizeof p);
+        m.positions_f64 = doubles ? at_the_end(fine, sizeof fine) : NULL;
+        sag_hit hit;
+        sag_surface surface;
+        assert_true(sag_mesh_hit(&m, &ray, &hit));
+        sag_mesh_surface(&m, &ray, &hit, &surface);
+        assert_true(surface.position.x == 0.25 && surface.position.y == 0.25 && surface.position.z == 0);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(kernels_agree)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(kernels_agree),
+                                       cmocka_unit_test(nothing_is_read_beyond_the_last_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
