@@ -47,4 +47,22 @@ static inline uint32_t sagi_scramble_reversed(uint32_t x, uint32_t seed) {
     return x;
 }
 
+// Both of four numbers at once (tests/render/test_sampler).
+typedef uint32_t sagi_u4 __attribute__((vector_size(16)));
+static inline sagi_u4 sagi_reverse_bits4(sagi_u4 x) {
+    x = x << 16 | x >> 16;
+    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
+    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
+    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+}
+static inline sagi_u4 sagi_scramble_reversed4(sagi_u4 x, sagi_u4 seed) {
+    x ^= x * 0x3D20ADEAu;
+    x += seed;
+    x *= seed >> 16 | 1;
+    x ^= x * 0x05526C56u;
+    x ^= x * 0x53A22864u;
+    return x;
+}
+
 #endif

@@ -209,24 +209,6 @@ static inline uint64_t sobol_index(const sagi_sampler *sampler, uint64_t *seeds)
     return shuffled_code(plan, sampler->index, seed);
 }
 
-static inline sagi_u4 reverse4(sagi_u4 x) {
-    x = x << 16 | x >> 16;
-    x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
-    x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
-    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
-    return (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
-}
-
-// sagi_scramble_reversed of four numbers.
-static inline sagi_u4 scramble4(sagi_u4 x, sagi_u4 seed) {
-    x ^= x * 0x3D20ADEAu;
-    x += seed;
-    x *= seed >> 16 | 1;
-    x ^= x * 0x05526C56u;
-    x ^= x * 0x53A22864u;
-    return x;
-}
-
 // The sums of the columns of the index's ones in four dimensions, eight columns at a time. Four bytes at
 // least are the pixel's.
 static inline sagi_u4 sums_of(const sagi_u4 (*sums)[256], uint64_t index) {
@@ -249,10 +231,10 @@ static void make_ready(sagi_sampler *sampler, uint32_t block) {
     const sagi_u4 *seed = &plan->scrambles[2 * block];
     sagi_u4 x = sums_of(plan->sums[2 * block], index), y = sums_of(plan->sums[2 * block + 1], index);
     if (way == SAG_RANDOMIZATION_FAST_OWEN)
-        x = scramble4(x, seed[0]), y = scramble4(y, seed[1]);
+        x = sagi_scramble_reversed4(x, seed[0]), y = sagi_scramble_reversed4(y, seed[1]);
     else
         x = scramble_slowly(way, x, seed[0]), y = scramble_slowly(way, y, seed[1]);
-    sampler->ready[0] = reverse4(x), sampler->ready[1] = reverse4(y);
+    sampler->ready[0] = sagi_reverse_bits4(x), sampler->ready[1] = sagi_reverse_bits4(y);
     sampler->ready_block = block;
 }
 

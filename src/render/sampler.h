@@ -15,9 +15,6 @@
 #define SAGI_SOBOL_DIMENSIONS 32u
 #define SAGI_SOBOL_COLUMNS    64u
 
-// Four numbers of 32 bits.
-typedef uint32_t sagi_u4 __attribute__((vector_size(16)));
-
 // What is the same for all pixels.
 typedef struct sagi_sampler_plan {
     sag_sampler_kind kind;

@@ -446,9 +446,24 @@ static void alias_table_has_its_weights(void **state) {
     sag_context_destroy(context);
 }
 
+static void four_numbers_at_once_are_as_one_by_one(void **state) {
+    (void)state;
+    rng r = rng_make(17);
+    for (int i = 0; i < 10000; i++) {
+        const sagi_u4 x = {rng_below(&r, UINT32_MAX), rng_below(&r, UINT32_MAX), (uint32_t)i, UINT32_MAX};
+        const sagi_u4 seed = {(uint32_t)i, UINT32_MAX, rng_below(&r, UINT32_MAX), rng_below(&r, UINT32_MAX)};
+        const sagi_u4 reversed = sagi_reverse_bits4(x), scrambled = sagi_scramble_reversed4(x, seed);
+        for (int k = 0; k < 4; k++) {
+            assert_int_equal(reversed[k], sagi_reverse_bits(x[k]));
+            assert_int_equal(scrambled[k], sagi_scramble_reversed(x[k], seed[k]));
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_uniform),
+        cmocka_unit_test(four_numbers_at_once_are_as_one_by_one),
         cmocka_unit_test(dimensions_of_one_pixel_are_unrelated),
         cmocka_unit_test(strata_have_one_sample_each),
         cmocka_unit_test(strata_are_as_asked),
