@@ -44,6 +44,11 @@ static const struct {
     {"mesh with normals",
      "Shape \"trianglemesh\" " FLAT_MESH "\"normal N\" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1]", BENT},
     {"bilinear mesh", "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 1 -1 .5 -1 1 .5 1 1 0]", OPEN},
+    {"bilinear mesh with normals",
+     "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 1 -1 .5 -1 1 .5 1 1 0] \"normal N\" [-.2 -.2 1 .2 -.2 1 "
+     "-.2 .2 1 .2 "
+     ".2 1]",
+     BENT},
     {"two patches",
      "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 0 -1 .5 -1 1 .5 0 1 0 1 -1 0 1 1 .4] \"integer indices\" "
      "[0 1 2 3 1 4 3 5]",
