@@ -37,8 +37,9 @@ bool sagi_mesh_data_join(sagi_mesh_data *mesh);
 // How many triangles have a vertex that is NaN, infinite or beyond SAG_MAX_COORDINATE: the scene leaves them
 // out.
 uint32_t sagi_mesh_data_not_finite(const sagi_mesh_data *mesh);
-// Whether a triangle of it has an area, as far as double precision tells.
-bool sagi_mesh_data_has_area(const sagi_mesh_data *mesh);
+// Whether a triangle of it has an area where it is placed, as far as double precision tells, and is not left
+// out.
+bool sagi_mesh_data_has_area(const sagi_mesh_data *mesh, const sag_affine *placed);
 // Makes room for so many triangles; false when memory is short.
 bool sagi_mesh_data_reserve(sagi_mesh_data *mesh, size_t capacity);
 // Adds a triangle; false when memory is short (or there are 2³² of them).

@@ -147,12 +147,20 @@ static sag_vec3 position(const sagi_mesh_data *mesh, uint32_t vertex) {
                          (double)mesh->positions_f32[at + 2]);
 }
 
-bool sagi_mesh_data_has_area(const sagi_mesh_data *mesh) {
+static bool is_within(sag_vec3 p) {
+    return fabs(p.x) <= SAG_MAX_COORDINATE && fabs(p.y) <= SAG_MAX_COORDINATE &&
+           fabs(p.z) <= SAG_MAX_COORDINATE;
+}
+
+bool sagi_mesh_data_has_area(const sagi_mesh_data *mesh, const sag_affine *placed) {
     for (size_t i = 0; i < mesh->triangle_count; i++) {
-        const uint32_t *v = &mesh->triangles[3 * i];
-        const sag_vec3 a = position(mesh, v[0]);
-        const sag_vec3 twice = sag_cross(sag_sub(position(mesh, v[1]), a), sag_sub(position(mesh, v[2]), a));
-        if (sag_dot(twice, twice) > 0) return true; // as nearly always the first
+        sag_vec3 p[3];
+        for (size_t k = 0; k < 3; k++)
+            p[k] = sag_affine_point(placed, position(mesh, mesh->triangles[3 * i + k]));
+        const sag_vec3 twice = sag_cross(sag_sub(p[1], p[0]), sag_sub(p[2], p[0]));
+        const double area = sag_length(twice) / 2;
+        if (area > 0 && isfinite(1 / area) && is_within(p[0]) && is_within(p[1]) && is_within(p[2]))
+            return true; // as nearly always the first
     }
     return false;
 }

@@ -153,6 +153,7 @@ typedef struct sagi_pbrt {
     double image_distance;       // behind a lens (pbrt_lens.c), in the scene's unit; 0: there is none
     double lens_share;           // of radiance that a lens lets through to the film
     double film_diagonal;        // in mm
+    sagi_place film_at, filter_at; // their directives
     int32_t seed;                // Option's
     const float (*corner_uv)[2]; // of the patch that is being added; NULL: none
     sag_scene *scene;            // shapes go there: the world's, an object's or a solid's
@@ -228,5 +229,7 @@ void sagi_pbrt_apply_lens(sagi_pbrt *p);
 
 // How pbrt begins: Gaussian filter, Sobol' points, 16 samples, 1280 × 720 (pbrt_settings).
 void sagi_pbrt_default_settings(sagi_pbrt *p);
+// At WorldBegin: what the render would find wrong with film and filter, with their places.
+sag_status sagi_pbrt_check_settings(sagi_pbrt *p);
 
 #endif

@@ -13,6 +13,7 @@
 #include "formats/mesh_text.h"
 #include "formats/pbrt_shape.h"
 #include "formats/picture.h"
+#include "render/world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,6 +38,7 @@ struct sagi_waiting {
     sagi_mesh_text mesh;
     uint32_t dropped, triangle_count;
     bool shines, has_area;
+    sag_affine placed;
     sag_picture_id picture;
     sag_status status;
     sag_error *error;
@@ -51,6 +53,7 @@ static struct sagi_waiting *next_waiting(sagi_pbrt *p, waiting_kind kind, sagi_p
     *w = (struct sagi_waiting){.kind = kind,
                                .place = place,
                                .shines = p->state.area_light.on && !p->options->geometry_only,
+                               .placed = p->state.ctm,
                                .object = p->in_object ? (uint32_t)p->object_count : 0};
     return w;
 }
@@ -71,7 +74,7 @@ static sag_status add_place_holder(sagi_pbrt *p, struct sagi_waiting *w) {
     const sag_mesh triangle = {
         .positions_f64 = positions, .triangles = corners, .vertex_count = 3, .triangle_count = 1};
     w->scene = p->scene;
-    return sagi_pbrt_add_numbered(p, SAG_SHAPE_MESH, &triangle, 0, &p->state.ctm, &w->geometry);
+    return sagi_pbrt_add_numbered(p, SAG_SHAPE_MESH, &triangle, 1, &p->state.ctm, &w->geometry);
 }
 
 static void waits(sagi_pbrt *p, const struct sagi_waiting *w) {
@@ -178,7 +181,7 @@ static void take_mesh(const sagi_pbrt *p, struct sagi_waiting *w) {
     sag_error error = {0};
     w->dropped = p->options->on_mesh ? 0 : sagi_mesh_data_not_finite(data);
     w->triangle_count = data->triangle_count;
-    w->has_area = !w->shines || sagi_mesh_data_has_area(data);
+    w->has_area = !w->shines || sagi_mesh_data_has_area(data, &w->placed);
     const sag_status status = sag_geometry_set_shape(w->scene, w->geometry, SAG_SHAPE_MESH, &mesh, &error);
     sagi_mesh_data_clear(data);
     if (status != SAG_OK) fail(p, w, status, &error);
@@ -290,10 +293,12 @@ static sag_status finish(sagi_pbrt *p, struct sagi_waiting *w) {
                         "%s:%d:%d: warning: Shape \"%s\": triangles with a vertex that is NaN, infinite or "
                         "beyond 2^100 are left out: %u of %u",
                         w->place.source->path, line, column, shape, w->dropped, w->triangle_count);
-    if (!w->has_area)
+    if (!w->has_area) {
         sag_context_log(p->context, SAG_LOG_WARNING,
                         "%s:%d:%d: warning: Shape \"%s\": a light without area: it does not shine",
                         w->place.source->path, line, column, shape);
+        sagi_world_darken(p->world, w->scene, w->geometry);
+    }
     return SAG_OK;
 }
 

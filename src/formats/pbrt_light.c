@@ -35,6 +35,11 @@ static sag_status finish(sagi_pbrt *p, sag_light *light, const char *name, doubl
     if (p->params.status == SAG_OK && !can_shine(light->color))
         sagi_params_fail(&p->params, NULL, "its light is %g %g %g: negative or too large", light->color.r,
                          light->color.g, light->color.b);
+    if (p->params.status == SAG_OK && !(sag_is_finite(light->from) && sag_is_finite(light->to)))
+        sagi_params_fail(&p->params, NULL, "the transform takes it to no finite place");
+    sag_affine inverse;
+    if (p->params.status == SAG_OK && light->image.pixels && !sag_affine_inverse(&light->to_world, &inverse))
+        sagi_params_fail(&p->params, NULL, "the transform is singular");
     const sag_status status = sagi_pbrt_parameters_done(p);
     if (status != SAG_OK) {
         sag_image_clear(p->context, &light->image);

@@ -262,6 +262,8 @@ static sag_status world_begin(sagi_pbrt *p, sagi_place place) {
     p->state.active = SAGI_ACTIVE_ALL;
     sagi_pbrt_apply_seed(p);
     sagi_pbrt_apply_lens(p);
+    const sag_status status = sagi_pbrt_check_settings(p);
+    if (status != SAG_OK) return status;
     const sagi_slice world = {"world", 5};
     return sagi_pbrt_name_system(p, world) ? SAG_OK : sagi_pbrt_out_of_memory(p);
 }

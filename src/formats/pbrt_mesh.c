@@ -21,9 +21,10 @@ static sag_status finish_mesh(sagi_pbrt *p, sagi_mesh_data *data, const char *na
             p, p->params.place,
             "%s: triangles with a vertex that is NaN, infinite or beyond 2^100 are left out: %u of %u",
             p->params.what, dropped, data->triangle_count);
-    if (p->state.area_light.on && !p->options->geometry_only && !sagi_mesh_data_has_area(data))
-        sagi_pbrt_warn(p, p->params.place, "%s: a light without area: it does not shine", p->params.what);
-    const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, 0, &p->state.ctm);
+    // What counts of it here is whether there is any: a mesh given by its power is a light for each triangle.
+    const bool shines = p->state.area_light.on && !p->options->geometry_only;
+    const double area = !shines || sagi_mesh_data_has_area(data, &p->state.ctm) ? 1 : 0;
+    const sag_status status = sagi_pbrt_add(p, SAG_SHAPE_MESH, &mesh, area, &p->state.ctm);
     sagi_mesh_data_clear(data);
     return status;
 }
@@ -240,10 +241,10 @@ sag_status sagi_pbrt_spheres(sagi_pbrt *p) {
                        "%s: spheres that are not finite or have no positive radius are left out: %u of %u",
                        params->what, dropped, spheres.count);
     if (status == SAG_OK)
-        status = sagi_pbrt_add(
-            p, SAG_SHAPE_SPHERES, &spheres,
-            p->state.area_light.power > 0 ? sag_spheres_area(&spheres) * sagi_pbrt_area_factor(p) : 0,
-            &p->state.ctm);
+        status =
+            sagi_pbrt_add(p, SAG_SHAPE_SPHERES, &spheres,
+                          p->state.area_light.on ? sag_spheres_area(&spheres) * sagi_pbrt_area_factor(p) : 0,
+                          &p->state.ctm);
     sag_release(p->context, radii, count / 3 * sizeof(float));
     return status;
 }

@@ -105,7 +105,7 @@ static sag_status add_patch(sagi_pbrt *p, const sagi_mesh_data *data, const doub
     p->corner_uv = data->texcoords ? &uv[0] : NULL;
     const sag_status status =
         sagi_pbrt_add(p, SAG_SHAPE_BILINEAR_PATCH, &patch,
-                      p->state.area_light.power > 0 ? sag_bilinear_patch_area(&there) : 0, &p->state.ctm);
+                      p->state.area_light.on ? sag_bilinear_patch_area(&there) : 0, &p->state.ctm);
     p->corner_uv = NULL;
     return status;
 }

@@ -2,6 +2,8 @@
 // What stands above WorldBegin: camera, film, sampler, filter, integrator.
 #include "formats/pbrt.h"
 #include "formats/pbrt_blocks.h"
+#include "render/filter.h"
+#include "render/sensor.h"
 
 #include <float.h>
 #include <math.h>
@@ -152,6 +154,7 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
     if (strcmp(name, "rgb") != 0 && strcmp(name, "gbuffer") != 0 && strcmp(name, "spectral") != 0 &&
         strcmp(name, "image") != 0)
         return unknown(p, place, "film", name);
+    p->film_at = place;
     sagi_params *params = &p->params;
     sag_film *film = &sag_world_settings(p->world)->film;
     const int32_t width = sagi_params_integer(params, "xresolution", 1280);
@@ -257,6 +260,7 @@ sag_status sagi_pbrt_pixel_filter(sagi_pbrt *p, sagi_place place) {
     char name[64];
     const sag_status status = read_named(p, place, "PixelFilter", name, sizeof name);
     if (status != SAG_OK || p->options->geometry_only) return status;
+    p->filter_at = place;
     sagi_params *params = &p->params;
     sag_film *film = &sag_world_settings(p->world)->film;
     static const struct {
@@ -367,4 +371,17 @@ sag_status sagi_pbrt_integrator(sagi_pbrt *p, sagi_place place) {
     if (strncmp(name, "simple", 6) == 0) settings->light_sampler = SAG_LIGHT_SAMPLER_UNIFORM;
     sagi_pbrt_ignore(p, "rrthreshold", NULL);
     return sagi_pbrt_parameters_done(p);
+}
+
+sag_status sagi_pbrt_check_settings(sagi_pbrt *p) {
+    const sag_film *film = &sag_world_settings(p->world)->film;
+    sagi_filter filter;
+    sagi_sensor sensor;
+    sag_error reason;
+    if (p->options->geometry_only) return SAG_OK;
+    if (p->filter_at.source && sagi_filter_init(&filter, film, &reason) != SAG_OK)
+        return sagi_place_error(p->filter_at, p->error, "PixelFilter: %s", reason.message);
+    if (p->film_at.source && sagi_sensor_init(&sensor, film, &reason) != SAG_OK)
+        return sagi_place_error(p->film_at, p->error, "Film: %s", reason.message);
+    return SAG_OK;
 }

@@ -92,17 +92,26 @@ static sag_appearance look_of(sagi_pbrt *p, sag_shape_kind kind, double area) {
         const sag_input *const radiance = &p->state.area_light.radiance;
         // As in pbrt a triangle is a light of its own.
         look.emission_over_area = kind == SAG_SHAPE_MESH && p->state.area_light.power > 0;
+        if (!(area > 0 && isfinite(1 / area)) && !p->solid.scene) {
+            char key[sizeof p->params.what + 32];
+            snprintf(key, sizeof key, "%s without area", p->params.what);
+            sagi_pbrt_warn_once(p, p->params.place, key, "%s: a light without area: it does not shine",
+                                p->params.what);
+            return look;
+        }
         const double scale = emission_scale(p, look.emission_over_area ? 1 : area);
         if (p->state.area_light.power > 0 && !(scale > 0))
-            sagi_pbrt_warn_once(
-                p, p->params.place, "light without area",
-                "%s: a light given by its power, without area or with a black picture: it does not shine",
-                p->params.what);
+            sagi_pbrt_warn_once(p, p->params.place, "light without power",
+                                "%s: a light given by its power, too large or with a black picture: it does "
+                                "not shine",
+                                p->params.what);
         look.emission_texture = p->state.area_light.picture;
         look.emission =
             (sag_rgb){radiance->value.r * scale, radiance->value.g * scale, radiance->value.b * scale};
         look.emission_spectrum = radiance->spectrum;
         look.emission_scale = scale;
+        if (!isfinite(look.emission.r) || !isfinite(look.emission.g) || !isfinite(look.emission.b))
+            sagi_params_fail(&p->params, NULL, "its light is too bright: its power is spread over %g", area);
         look.two_sided = p->state.area_light.two_sided;
     }
     return look;
@@ -159,8 +168,7 @@ static sag_status add_checked(sagi_pbrt *p, sag_shape_kind kind, const void *sha
         const sag_status check =                                                                             \
             p->params.status == SAG_OK ? sag_##name##_validate(&(shape), &reason) : SAG_OK;                  \
         return add_checked(p, SAG_SHAPE_##KIND, &(shape), check, &reason,                                    \
-                           check == SAG_OK && p->state.area_light.power > 0 ? sag_##name##_area(&(shape))    \
-                                                                            : 0);                            \
+                           check == SAG_OK && p->state.area_light.on ? sag_##name##_area(&(shape)) : 0);     \
     } while (0)
 
 // ---- pbrt's shapes

@@ -6,7 +6,7 @@
 #include "formats/pbrt.h"
 
 // Puts a shape, known to be good, into the scene: transform, material, light. `area` is that of the placed
-// shape, for lights given by power; 0 when unknown.
+// shape, for lights, which do not shine without one; a mesh's need only be 0 or not.
 sag_status sagi_pbrt_add(sagi_pbrt *p, sag_shape_kind kind, const void *shape, double area,
                          const sag_affine *placed);
 // The same, and which geometry it became (of a scene that is no solid).

@@ -63,7 +63,7 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = sagi_clock_seconds() - start;
-    if (sagi_is_spectral(render) && render->lights.light_count + render->lights.areas.count == 0)
+    if (sagi_is_spectral(render) && render->lights.light_count == 0 && !sagi_world_shines(world))
         sag_context_log(world->context, SAG_LOG_WARNING,
                         "there is no light in the scene: the picture is black");
 

@@ -7,6 +7,7 @@
 // exposure seconds · ISO/100.
 #include "sensor.h"
 
+#include <float.h>
 #include <string.h>
 
 #define CHANNELS 3
@@ -84,7 +85,7 @@ bool sag_sensor_is_known(const char *name) {
 sag_status sagi_sensor_init(sagi_sensor *sensor, const sag_film *film, sag_error *error) {
     const double exposure = film->exposure_seconds == 0 ? 1 : film->exposure_seconds;
     const double iso = film->iso == 0 ? 100 : film->iso, ratio = exposure * iso / 100;
-    if (!(ratio > 0 && isfinite(ratio)))
+    if (!(ratio >= FLT_MIN && ratio <= FLT_MAX))
         return sag_error_set(error, SAG_ERROR_ARGUMENT, "an exposure of %g s at ISO %g", exposure, iso);
     if (film->color_space < SAG_COLOR_SRGB || film->color_space > SAG_COLOR_ACES2065_1)
         return sag_error_set(error, SAG_ERROR_ARGUMENT, "unknown colour space %d", (int)film->color_space);

@@ -313,3 +313,20 @@ sag_status sag_world_set_appearance(sag_world *world, sag_scene *scene, uint32_t
     *latest = (uint32_t)++world->appearances.count;
     return SAG_OK;
 }
+
+void sagi_world_darken(sag_world *world, const sag_scene *scene, uint32_t geometry) {
+    const uint32_t *const latest = latest_of(world, scene);
+    sagi_appearance *const found = latest ? find_appearance(world, *latest, geometry) : NULL;
+    if (!found) return;
+    sag_appearance look = found->look;
+    look.emission = (sag_rgb){0, 0, 0};
+    look.emission_spectrum = 0;
+    set_look(world, found, &look);
+}
+
+bool sagi_world_shines(const sag_world *world) {
+    const sagi_appearance *all = world->appearances.items;
+    for (size_t i = 0; i < world->appearances.count; i++)
+        if (all[i].brightness > 0) return true;
+    return false;
+}

@@ -132,6 +132,10 @@ static inline bool sagi_material_evaluate(const sag_world *world, const sagi_app
 sag_rgb sagi_material_albedo(const sag_world *world, const sagi_appearance *appearance,
                              const sag_surface *surface, const sagi_footprint *footprint);
 
+// Whether any geometry shines: as a light that is sampled or, as parts of solids do, one that is only found.
+bool sagi_world_shines(const sag_world *world);
+// Turns a geometry's light off, if it has a look.
+void sagi_world_darken(sag_world *world, const sag_scene *scene, uint32_t geometry);
 // The emission of a look made ready, and how bright it is; emission.c.
 void sagi_emission_init(const sag_world *world, sagi_appearance *entry);
 // Whether the surface is there for this ray: where its alpha is below 1, for as many as alpha says. And

@@ -48,6 +48,33 @@ for shape in '"disk" "float radius" 0' '"sphere" "float radius" 0' '"cylinder" "
     printf 'WorldBegin\nAreaLightSource "diffuse"\n  Shape %s' "$shape" | refuse 4:3 ''
 done
 
+# Lamps of which the shape is good and nothing is left where it stands: named with their place, and left dark.
+without_area() {
+    place=$1
+    { printf 'Film "rgb" "integer xresolution" 8 "integer yresolution" 8 Sampler "halton" "integer pixelsamples" 1\n'; cat; } >dark.pbrt
+    expect 0 render dark.pbrt -o dark.exr
+    has err "^dark.pbrt:$place: warning: Shape .*: a light without area: it does not shine"
+    ! grep -q 'geometry [0-9]' err || fail "a message without its place: $(grep 'geometry [0-9]' err)"
+}
+line='"point3 P" [0 0 0 1 0 0 2 0 0] "integer indices" [0 1 2]'
+bent='"point3 P" [0 0 0 1 0 0 2 0 0 3 0 0] "normal N" [0 0 1 0 0 1 0 0 1 0 0 1]'
+for shape in "\"trianglemesh\" $line" "\"loopsubdiv\" $line" "\"bilinearmesh\" $bent" '"disk" "float radius" 1e-200' \
+    '"sphere" "float radius" 1e-200'; do
+    printf 'WorldBegin\nAreaLightSource "diffuse"\n  Shape %s' "$shape" | without_area 4:3
+done
+for shape in '"disk"' '"cylinder"' '"sphere"' '"rectangle"' '"bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0]' \
+    '"trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0]'; do
+    printf 'WorldBegin\nAreaLightSource "diffuse"\nScale 1e-160 1e-160 1e-160\n Shape %s' "$shape" | without_area 5:2
+done
+printf 'WorldBegin\nAreaLightSource "diffuse" "float power" 1e308\nShape "sphere" "float radius" 1e-9' | refuse 4:1 'too bright'
+rm -f dark.pbrt dark.exr
+
+# What can only be told when all of the settings are known, or of a light and its transform.
+printf 'Film "rgb" "float whitebalance" 100\nWorldBegin' | refuse 2:1 'white balance'
+printf 'Film "rgb" "float iso" 1e300\nCamera "perspective"\nWorldBegin' | refuse 2:1 'exposure'
+printf 'PixelFilter "mitchell" "float B" 100\nWorldBegin' | refuse 2:1 'negative'
+printf 'WorldBegin\nTranslate 1e308 0 0 Translate 1e308 0 0\nLightSource "point"' | refuse 4:1 'finite'
+
 # Transforms that flatten space, at once or little by little.
 printf 'WorldBegin\nScale 1 0 1' | refuse 3:1 'Scale by 0'
 printf 'WorldBegin\n Transform [1 0 0 0 1 0 0 0 0 0 1 0 0 0 0 1]' | refuse 3:2 'singular'
