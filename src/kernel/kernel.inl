@@ -17,6 +17,7 @@
 #include "shapes/sphere_solve.h"
 #include "shapes/spheres.h"
 #include "shapes/torus_four.h"
+#include "shapes/triangle_range.h"
 #include "shapes/triangle_solve.h"
 #include "shapes/user.h"
 #include "solid/carved.h"

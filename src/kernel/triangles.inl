@@ -208,6 +208,14 @@ static __attribute__((noinline)) bool triangle(question asked, level *here, cons
     return accept(asked, here, r.geometry, r.primitive, t, item->mirrored ? v : u, item->mirrored ? u : v);
 }
 
+// Whether the time of an uncertain one is, for certain, not in range.
+static __attribute__((noinline)) bool is_beyond(const level *here, const sagi_item *item,
+                                                uint32_t primitive) {
+    sagi_d4 corner[3];
+    sagi_mesh_corners(item->shape, primitive, item->mirrored, corner);
+    return sagi_triangle_is_beyond(here->ray, here->t_max, corner);
+}
+
 // One that is certainly hit.
 static __attribute__((noinline)) bool certain_triangle(question asked, level *here,
                                                        const sagi_triangle_block *block, uint32_t lane) {
@@ -335,7 +343,8 @@ SAGI_INLINE bool take_triangles(question asked, level *here, const sagi_triangle
     for (uint32_t left = answer->uncertain; left != 0; left &= left - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(left);
         SAGI_KERNEL_COUNT(uncertain);
-        // One whose time alone is uncertain is mostly the one that a ray leaves; solving says so soon.
+        // Mostly it is the one that a ray leaves or ends on.
+        if (is_beyond(here, item, block->primitive[lane])) continue;
         bool over = answer->inside >> lane & 1 && !one_sided
                         ? certain_triangle(asked, here, block, lane)
                         : triangle(asked, here, item,
