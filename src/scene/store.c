@@ -8,8 +8,8 @@
 static size_t aligned(size_t bytes) { return (bytes + 15) & ~(size_t)15; }
 
 // In the order in which they are put back in place below. The kinds that are not named have none; a test adds
-// every kind and frees the original. (A mesh's triangles come after its vertices: kernels may read four
-// numbers where a vertex has three.)
+// every kind and frees the original. (A mesh's triangles come after its vertices: kernels read four numbers
+// where a vertex has three.)
 int sagi_shape_parts(sag_shape_kind kind, const void *shape, sagi_part parts[SAGI_MAX_PARTS]) {
     if (kind == SAG_SHAPE_MESH) {
         const sag_mesh *m = shape;
@@ -170,7 +170,8 @@ static void move_vertices(void *argument, size_t index) {
 sagi_store *sagi_store_create_moved_mesh(const sag_context *context, const sag_mesh *mesh,
                                          const sagi_place *place) {
     size_t n = mesh->vertex_count, head = aligned(sizeof(sag_mesh));
-    size_t position_bytes = aligned(n * 3 * sizeof(double));
+    // One number more than there are: a vertex is read with what follows it (sagi_mesh_corners).
+    size_t position_bytes = aligned((n * 3 + 1) * sizeof(double));
     size_t normal_bytes = mesh->normals_f32 != NULL ? n * 3 * sizeof(float) : 0;
     unsigned char *at;
     sagi_store *store = allocate(context, head + position_bytes + normal_bytes, &at);

@@ -123,6 +123,7 @@ static void files_and_faults(void **state) {
         char text[200];
         snprintf(text, sizeof text, W "Material \"diffuse\" \"spectrum reflectance\" \"%s\"", names[i]);
         assert_int_not_equal(scene_load(text, &world, &error), SAG_OK);
+        sag_world_destroy(world);
     }
     scene_fails(W "Material \"diffuse\" \"spectrum reflectance\" [500 1 400 1]", 2, 20, "rising");
     scene_fails(W "LightSource \"point\" \"blackbody I\" -5", 2, 21, "-5 K");

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "support/context.h"
+#include "support/guarded_memory.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -11,7 +13,9 @@ sag_context *context;
 
 int setup(void **state) {
     (void)state;
-    context = sag_context_create(NULL);
+    sag_context_options options = {.thread_count = 0};
+    if (getenv("SAGITTA_GUARDED") != NULL) options.allocator = guarded_allocator(GUARDED_END);
+    context = sag_context_create(&options);
     return context == NULL;
 }
 int teardown(void **state) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One context for a whole test program: setup and teardown go to cmocka_run_group_tests.
+// One context for a whole test program: setup and teardown go to cmocka_run_group_tests. With SAGITTA_GUARDED
+// in the environment its memory is guarded_memory.h's.
 #ifndef TESTS_SUPPORT_CONTEXT_H
 #define TESTS_SUPPORT_CONTEXT_H
 
