@@ -9,27 +9,20 @@
 #include "scene/scene.h"
 #include "shapes/spheres.h"
 
-// Coordinate by coordinate like the block; the last row is the radii. Where there are fewer than eight, the
-// first is repeated.
+// Coordinate by coordinate like the block; the last row is the radii.
 typedef double balls[4][SAGI_BVH_WIDTH];
 
 static void read_balls(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint32_t count, balls at) {
     const sag_vec3 origin = s->world.origin;
     const double scale = s->world.scale;
-    for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
-        const uint32_t number = p[j < count ? j : 0].primitive;
-        const sagi_d4 ball = p[0].geometry == SAGI_LONE_SPHERES
-                                 ? sagi_sphere_load(s->items[number].shape)
-                                 : sagi_spheres_load(s->items[p[0].geometry].shape, number);
-        at[0][j] = (ball[0] - origin.x) * scale, at[1][j] = (ball[1] - origin.y) * scale;
-        at[2][j] = (ball[2] - origin.z) * scale, at[3][j] = ball[3] * scale;
+    for (uint32_t j = 0; j < count; j++) {
+        const uint32_t number = p[j].primitive;
+        const sagi_ball ball = p[0].geometry == SAGI_LONE_SPHERES
+                                   ? sagi_sphere_ball(s->items[number].shape)
+                                   : sagi_spheres_ball(s->items[p[0].geometry].shape, number);
+        at[0][j] = (ball.center[0] - origin.x) * scale, at[1][j] = (ball.center[1] - origin.y) * scale;
+        at[2][j] = (ball.center[2] - origin.z) * scale, at[3][j] = ball.radius * scale;
     }
-}
-
-static double least_of(const double x[SAGI_BVH_WIDTH]) {
-    double least = x[0];
-    for (int j = 1; j < SAGI_BVH_WIDTH; j++) least = x[j] < least ? x[j] : least;
-    return least;
 }
 
 void sagi_sphere_leaf_write(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint32_t count,
@@ -40,10 +33,13 @@ void sagi_sphere_leaf_write(const sagi_snapshot *s, const sagi_bvh_primitive *p,
     balls at;
     read_balls(s, p, count, at);
     for (int k = 0; k < 3; k++) {
-        double lo[SAGI_BVH_WIDTH], hi[SAGI_BVH_WIDTH];
-        for (int j = 0; j < SAGI_BVH_WIDTH; j++) lo[j] = at[k][j] - at[3][j], hi[j] = -at[k][j] - at[3][j];
-        zero[k] = sagi_grid_zero(&head, k, least_of(lo));
-        double reach = -least_of(hi) - zero[k];
+        double least = at[k][0] - at[3][0], most = at[k][0] + at[3][0];
+        for (uint32_t j = 1; j < count; j++) {
+            double lo = at[k][j] - at[3][j], hi = at[k][j] + at[3][j];
+            least = lo < least ? lo : least, most = hi > most ? hi : most;
+        }
+        zero[k] = sagi_grid_zero(&head, k, least);
+        double reach = most - zero[k];
         extent = reach > extent ? reach : extent;
     }
     double steps = sagi_grid_steps(&head, extent);

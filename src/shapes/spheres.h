@@ -23,6 +23,24 @@ static inline bool sagi_spheres_get(const sag_spheres *s, uint32_t i, sag_vec3 *
            fabs(center->z) <= SAG_MAX_COORDINATE && *radius > 0 && *radius <= SAG_MAX_COORDINATE;
 }
 
+// Centre and radius, whatever they are.
+typedef struct sagi_ball {
+    double center[3], radius;
+} sagi_ball;
+
+static inline sagi_ball sagi_spheres_ball(const sag_spheres *s, uint32_t i) {
+    size_t at = (size_t)i * 3;
+    double radius = s->radii_f32 ? (double)s->radii_f32[i] : s->radius;
+    if (s->centers_f64)
+        return (sagi_ball){{s->centers_f64[at], s->centers_f64[at + 1], s->centers_f64[at + 2]}, radius};
+    return (sagi_ball){
+        {(double)s->centers_f32[at], (double)s->centers_f32[at + 1], (double)s->centers_f32[at + 2]}, radius};
+}
+
+static inline sagi_ball sagi_sphere_ball(const sag_sphere *s) {
+    return (sagi_ball){{s->center.x, s->center.y, s->center.z}, s->radius};
+}
+
 // The same as the lanes of a vector, of a sphere that is known to be there.
 SAGI_INLINE sagi_d4 sagi_spheres_load(const sag_spheres *s, uint32_t i) {
     size_t at = (size_t)i * 3;
