@@ -39,7 +39,6 @@ void sagi_pbrt_roughness(sagi_pbrt *p, sag_material *m) {
     remap_roughness(p, m);
 }
 
-// pbrt's walk counts each layer it meets: the base is every other one.
 static void read_coat(sagi_pbrt *p, sag_material *m) {
     m->thickness = sagi_pbrt_float_input(p, "thickness", 0.01);
     m->thickness.value.r = fmax(m->thickness.value.r, 0);
@@ -47,8 +46,9 @@ static void read_coat(sagi_pbrt *p, sag_material *m) {
     m->coat_g = sagi_pbrt_float_input(p, "g", 0);
     const int32_t depth = sagi_params_integer(&p->params, "maxdepth", 10),
                   samples = sagi_params_integer(&p->params, "nsamples", 1);
-    m->bounces = depth > 0 ? (uint32_t)depth / 2 + (uint32_t)depth % 2 : 1;
+    m->events = depth > 0 ? (uint32_t)depth : 1;
     m->samples = samples > 0 ? (uint32_t)samples : 1;
+    m->lit_as_pbrt = true;
 }
 
 static void read_metal(sagi_pbrt *p, const char *eta, const char *k, sag_material *m) {

@@ -23,18 +23,20 @@ typedef struct sagi_bsdf {
     double ior; // of glass and coats
     // Of coats, see coated.c: sagi_fresnel_inner_mean, and the material's own.
     double inner_mean, thickness;
-    const float *rough_share; // of a rough coat with a formula: sagi_coat_table; else NULL
+    // Of a rough coat with a formula: sagi_coat_table; else the first is NULL and the other of no meaning.
+    const float *rough_share, *lit_share;
     // Of coats that are walked through, see layered.c: the coat's facets, the mean cosine of what is in it,
     // and where its random numbers begin.
     sagi_microfacet coat;
     double g;
     uint64_t seed;
     uint32_t walks;
-    uint32_t bounces; // of coats
+    uint32_t events; // of coats
     sag_material_kind kind;
-    bool specular;  // all that it scatters goes to single directions: eval is black, only sample finds it
-    bool dispersed; // ior is that of the first wavelength only
-    bool layered;   // a coat that is walked through
+    bool specular;    // all that it scatters goes to single directions: eval is black, only sample finds it
+    bool dispersed;   // ior is that of the first wavelength only
+    bool layered;     // a coat that is walked through
+    bool lit_as_pbrt; // such a one: as the material's
 } sagi_bsdf;
 
 typedef struct sagi_bsdf_sample {
@@ -53,7 +55,7 @@ static inline void sagi_bsdf_begin(sagi_bsdf *bsdf) {
     bsdf->ior = 1.5;
     bsdf->facets = bsdf->coat = (sagi_microfacet){0, 0};
     bsdf->rough_share = NULL;
-    bsdf->specular = bsdf->dispersed = bsdf->layered = false;
+    bsdf->specular = bsdf->dispersed = bsdf->layered = bsdf->lit_as_pbrt = false;
 }
 // Sets the frame and what belongs to it. `tangent` gives the direction of the frame's s where that matters.
 static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading,
@@ -64,7 +66,7 @@ static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_
     bsdf->wo_side = side < 0 ? -1 : 1;
     sag_vec3 s, t;
     sagi_frame(shading, &s, &t);
-    if (bsdf->facets.ax != bsdf->facets.ay) {
+    if (bsdf->facets.ax != bsdf->facets.ay || bsdf->coat.ax != bsdf->coat.ay) {
         const sag_vec3 along = sag_madd(tangent, -sag_dot(tangent, shading), shading);
         const double length = sag_length(along);
         if (length > 0 && isfinite(length)) {
@@ -95,9 +97,10 @@ bool sagi_thin_sample(const sagi_bsdf *bsdf, double choose, sagi_bsdf_sample *sa
 sagi_spectrum sagi_layered_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);
 bool sagi_layered_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample);
 // Of a rough coat (ior, coat, thickness) over a Lambertian base: how much more passes than through a smooth
-// one, at cosines (i + ½)/SAGI_COAT_STEPS; returns inner_mean.
+// one, at cosines (i + ½)/SAGI_COAT_STEPS; and how much of a lamp's light by pbrt-v4's weights. Returns
+// inner_mean.
 #define SAGI_COAT_STEPS 32
-double sagi_coat_table(const sagi_bsdf *coat, float shares[SAGI_COAT_STEPS]);
+double sagi_coat_table(const sagi_bsdf *coat, float shares[SAGI_COAT_STEPS], float lit[SAGI_COAT_STEPS]);
 // What passes a smooth coat in direction w, w.z > 0, one way, given its reflectance there.
 double sagi_coat_transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance);
 // Once color and the coat's numbers are known.

@@ -11,7 +11,8 @@
 // pbrt-v4 makes a random walk of it that loses a little more, and pictures are compared with its: the coat
 // absorbs exp(−τ/μ') on each way through (τ its thickness, μ' the cosine inside), so that r becomes ∫ F
 // e^(−2τ/μ) 2μ dμ; and the walk ends, so that 1/(1 − ρr) = 1 + ρr + (ρr)² + … has N terms. With τ = 0 and N =
-// 0 (meaning ∞) it is the lossless coat above.
+// 0 (meaning ∞) it is the lossless coat above. Moreover, the light of lamps that are sampled comes through a
+// rough coat there by other shares than it should (layered.c); on request it does so here.
 #include "bsdf.h"
 #include "fresnel.h"
 #include "math/elementary.h"
@@ -27,7 +28,8 @@ static sagi_spectrum bounces_sum(sagi_spectrum x, uint32_t terms) {
 }
 
 void sagi_coated_prepare(sagi_bsdf *bsdf) {
-    bsdf->base = bsdf->color * bounces_sum(bsdf->color * (float)bsdf->inner_mean, bsdf->bounces);
+    bsdf->base =
+        bsdf->color * bounces_sum(bsdf->color * (float)bsdf->inner_mean, bsdf->events / 2 + bsdf->events % 2);
 }
 
 // exp x for x ≤ 0, most often near 0, where Taylor's series is good to 2⁻⁵³.
@@ -46,14 +48,14 @@ double sagi_coat_transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflect
 }
 
 // The same of a rough one.
-static double transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflectance) {
+static double transmittance(const sagi_bsdf *bsdf, const float *shares, sag_vec3 w, double reflectance) {
     const double smooth = sagi_coat_transmittance(bsdf, w, reflectance);
     if (!bsdf->rough_share) return smooth;
     const double x = sagi_clamp(w.z * SAGI_COAT_STEPS - 0.5, 0, SAGI_COAT_STEPS - 1);
     const int i = x < SAGI_COAT_STEPS - 2 ? (int)x : SAGI_COAT_STEPS - 2;
-    const double share =
-        (double)bsdf->rough_share[i] * (1 - (x - i)) + (double)bsdf->rough_share[i + 1] * (x - i);
-    return smooth * share < 1 ? smooth * share : 1;
+    const double share = (double)shares[i] * (1 - (x - i)) + (double)shares[i + 1] * (x - i);
+    // What pbrt-v4 finds of a lamp may be more than there is.
+    return smooth * share < 1 || shares != bsdf->rough_share ? smooth * share : 1;
 }
 
 static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
@@ -65,10 +67,13 @@ static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
 // The coat is the same from both sides: both directions are turned up.
 static sag_vec3 upward(const sagi_bsdf *bsdf, sag_vec3 w) { return bsdf->wo.z < 0 ? sag_neg(w) : w; }
 
-static sagi_spectrum eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi, double *pdf) {
+// `shares`: of the light that comes in.
+static sagi_spectrum eval_upward(const sagi_bsdf *bsdf, const float *shares, sag_vec3 wo, sag_vec3 wi,
+                                 double *pdf) {
     double out = sagi_fresnel_dielectric(wo.z, bsdf->ior), in = sagi_fresnel_dielectric(wi.z, bsdf->ior);
     double coat = coat_probability(bsdf, out);
-    double through = transmittance(bsdf, wo, out) * transmittance(bsdf, wi, in) / (bsdf->ior * bsdf->ior);
+    const double leaves = transmittance(bsdf, bsdf->rough_share, wo, out);
+    const double through = leaves * transmittance(bsdf, shares, wi, in) / (bsdf->ior * bsdf->ior);
     const sagi_spectrum value = bsdf->base * (float)(through * wi.z * SAGI_INV_PI);
     *pdf = (1 - coat) * wi.z * SAGI_INV_PI;
     if (!(bsdf->facets.ax > 0)) return value;
@@ -81,7 +86,7 @@ static sagi_spectrum eval_upward(const sagi_bsdf *bsdf, sag_vec3 wo, sag_vec3 wi
 
 sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) {
     if (!(wi.z * bsdf->wo.z > 0)) return (sagi_spectrum){0, 0, 0, 0};
-    return eval_upward(bsdf, upward(bsdf, bsdf->wo), upward(bsdf, wi), pdf);
+    return eval_upward(bsdf, bsdf->lit_share, upward(bsdf, bsdf->wo), upward(bsdf, wi), pdf);
 }
 
 bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample) {
@@ -101,7 +106,7 @@ bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_b
         wi = sagi_warp_cosine(u);
     }
     if (!(wi.z > 0)) return false;
-    const sagi_spectrum value = eval_upward(bsdf, wo, wi, &sample->pdf);
+    const sagi_spectrum value = eval_upward(bsdf, bsdf->rough_share, wo, wi, &sample->pdf);
     if (!(sample->pdf > 0)) return false;
     sample->weight = value * (float)(1 / sample->pdf);
     sample->wi = upward(bsdf, wi);

@@ -9,7 +9,9 @@
 // the one crossing only, draws w2, by which light comes in. At each scattering event below the boundary light
 // is connected to w2, and where the boundary is rough also found by the event's own direction, which the
 // boundary bends into wi; the power heuristic weights the two (both densities are of the inner direction).
-// With a smooth boundary, which would find wi by chance only, the first is all there is.
+// With a smooth boundary, which would find wi by chance only, the first is all there is. pbrt-v4 weights the
+// second one by the density of wi, outside, with which the event's own direction would go there: its weights
+// do not add up to 1. Pictures that shall agree with its get the same (lit_as_pbrt).
 //
 // Radiance is compressed by 1/η² on entering and expanded by η² on leaving. A walk that comes out again has
 // both, so neither is in the weights here; the connection to w2 uses the crossing from wi, backwards, which
@@ -58,7 +60,7 @@ static void begin(walk *l, const sagi_bsdf *whole, uint64_t stream) {
     l->state = sagi_mix(whole->seed + sagi_mix(stream));
     l->rough = whole->coat.ax > 0;
     l->scatters = whole->thickness > 0 && !sagi_spectrum_is_black(whole->albedo);
-    l->events = whole->bounces > 0 && whole->bounces < MAX_EVENTS / 2 ? 2 * whole->bounces : MAX_EVENTS;
+    l->events = whole->events > 0 && whole->events < MAX_EVENTS ? whole->events : MAX_EVENTS;
 }
 
 // What passes the coat's medium over a height in direction w.
@@ -214,6 +216,7 @@ static double found(const walk *l, double z, sag_vec3 w, double pdf, bool certai
     double other;
     const double value = transmission(l->whole, wi, sag_neg(w), &other);
     if (!(value > 0)) return 0;
+    if (l->whole->lit_as_pbrt) transmission(l->whole, sag_neg(w), wi, &other);
     return value * passing(l->whole->thickness - z, w) * (certain ? 1 : power_heuristic(pdf, other));
 }
 
@@ -224,7 +227,7 @@ typedef struct echo {
 } echo;
 
 static echo echo_of(const walk *l, const crossing *in) {
-    if (l->rough || !l->base.specular) return (echo){{1, 1, 1, 1}, {0, 0, 0, 0}};
+    if (l->rough || !l->base.specular || l->whole->lit_as_pbrt) return (echo){{1, 1, 1, 1}, {0, 0, 0, 0}};
     const float way = (float)passing(l->whole->thickness, in->w);
     const sagi_spectrum once = sagi_fresnel_conductor_spectrum(in->w.z, l->base.eta, l->base.k) * way;
     const sagi_spectrum all = 1 / (1 - once * way * (float)(1 - in->weight));
@@ -310,9 +313,9 @@ static sagi_spectrum mirrors(const sagi_bsdf *b, sag_vec3 wo) {
         sagi_fresnel_conductor_spectrum(w.z, b->eta, b->k) * (float)sagi_square(passing(b->thickness, w));
     const sagi_spectrum again = once * (float)f;
     sagi_spectrum power = {1, 1, 1, 1}, square = again;
-    for (uint32_t rest = b->bounces; rest != 0; rest >>= 1, square *= square)
+    for (uint32_t rest = b->events / 2; rest != 0; rest >>= 1, square *= square)
         if (rest & 1) power *= square;
-    if (b->bounces == 0) power *= 0;
+    if (b->events == 0) power *= 0;
     return (float)f + (float)sagi_square(1 - f) * once * (1 - power) / (1 - again);
 }
 
@@ -387,24 +390,40 @@ bool sagi_layered_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_
 
 // ---- what a rough coat lets through
 
+// pbrt-v4's light by both ways, in terms of that which this crossing from wi finds: with the weights of
+// eval_walk, over a Lambertian base whose light goes to the coat by the cosine, E[c.weight (of the one + of
+// the other)] is the integral of both. They would add up to 1.
+static double lit_weight(const sagi_bsdf *coat, sag_vec3 wi, const crossing *c) {
+    const double cosine = fabs(c->w.z) * SAGI_INV_PI;
+    double outward;
+    transmission(coat, c->w, wi, &outward);
+    return power_heuristic(c->pdf, cosine) + power_heuristic(cosine, outward);
+}
+
 // Means over facets, by their visible normals; then over the cosine-weighted hemisphere inside.
-double sagi_coat_table(const sagi_bsdf *coat, float shares[SAGI_COAT_STEPS]) {
-    enum { SIDE = 16 };
+double sagi_coat_table(const sagi_bsdf *coat, float shares[SAGI_COAT_STEPS], float lit[SAGI_COAT_STEPS]) {
+    enum { COUNT = 512 };
     double inner_mean = 0;
     for (int i = 0; i < SAGI_COAT_STEPS; i++) {
         const double z = (i + 0.5) / SAGI_COAT_STEPS, across = sqrt(1 - z * z);
         const sag_vec3 outside = sag_vec3_make(across, 0, z), inside = sag_vec3_make(across, 0, -z);
-        double through = 0, back = 0;
-        for (int k = 0; k < SIDE * SIDE; k++) {
-            const int column = k % SIDE, row = k / SIDE;
-            const sag_vec2 u = {(column + 0.5) / SIDE, (row + 0.5) / SIDE};
+        double through = 0, shining = 0, back = 0;
+        for (int k = 0; k < COUNT; k++) {
+            // Roberts' R₂ sequence.
+            const double x = 0.5 + k * 0.7548776662466927, y = 0.5 + k * 0.5698402909980532;
+            const sag_vec2 u = {x - floor(x), y - floor(y)};
             crossing c;
-            if (go_through(coat, outside, u, &c)) through += c.weight * passing(coat->thickness, c.w);
+            if (go_through(coat, outside, u, &c)) {
+                const double passed = c.weight * passing(coat->thickness, c.w);
+                through += passed;
+                shining += passed * lit_weight(coat, outside, &c);
+            }
             if (turn_back(coat, inside, u, &c)) back += c.weight * passing(coat->thickness, c.w);
         }
-        through /= SIDE * SIDE, back /= SIDE * SIDE;
+        through /= COUNT, shining /= COUNT, back /= COUNT;
         const double smooth = sagi_coat_transmittance(coat, outside, sagi_fresnel_dielectric(z, coat->ior));
         shares[i] = (float)(through / smooth);
+        lit[i] = (float)(shining / smooth);
         inner_mean += back * passing(coat->thickness, inside) * 2 * z / SAGI_COAT_STEPS;
     }
     return inner_mean;

@@ -73,7 +73,8 @@ static void read_walk(const sag_world *world, const sagi_material *entry, const 
     bsdf->layered = true;
     bsdf->seed = place.part[0];
     bsdf->walks = material->samples ? material->samples : 1;
-    bsdf->bounces = material->bounces;
+    bsdf->events = material->events;
+    bsdf->lit_as_pbrt = material->lit_as_pbrt;
     bsdf->thickness = fmax(sagi_input_number(world, &material->thickness, at), 0);
     bsdf->albedo = read_albedo(world, &material->coat_albedo, &entry->coat_albedo, at, lambda);
     bsdf->g = sagi_clamp(sagi_input_number(world, &material->coat_g, at), -0.999, 0.999);
@@ -122,10 +123,13 @@ static void read_material(const sag_world *world, const sagi_material *entry, co
             read_walk(world, entry, at, lambda, bsdf);
             break;
         }
-        if (entry->has_shares) bsdf->rough_share = entry->rough_share;
+        if (entry->has_shares) {
+            bsdf->rough_share = entry->rough_share;
+            bsdf->lit_share = material->lit_as_pbrt ? entry->lit_share : entry->rough_share;
+        }
         bsdf->inner_mean = entry->inner_mean;
         bsdf->thickness = material->thickness.value.r;
-        bsdf->bounces = material->bounces;
+        bsdf->events = material->events;
         sagi_coated_prepare(bsdf);
         break;
     case SAG_MATERIAL_MIX:

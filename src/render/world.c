@@ -153,6 +153,24 @@ static sagi_microfacet plain_facets(const sag_material *material) {
     return (sagi_microfacet){alpha, alpha};
 }
 
+// Takes a rough coat's table, which takes milliseconds to make, from one of the last few materials, if it has
+// such a coat.
+static bool share_table(const sag_world *world, sagi_material *entry, const sagi_bsdf *coat) {
+    const sagi_material *materials = world->materials.items;
+    const size_t count = world->materials.count;
+    for (size_t i = count; i > 0 && count - i < 64; i--) {
+        const sagi_material *other = &materials[i - 1];
+        if (!other->has_shares || other->coat_ior != coat->ior || other->coat_alpha != coat->coat.ax ||
+            other->coat_thickness != coat->thickness)
+            continue;
+        memcpy(entry->rough_share, other->rough_share, sizeof entry->rough_share);
+        memcpy(entry->lit_share, other->lit_share, sizeof entry->lit_share);
+        entry->inner_mean = other->inner_mean;
+        return true;
+    }
+    return false;
+}
+
 // What of a material does not change over the surface.
 static void prepare_material(const sag_world *world, sagi_material *entry) {
     const sag_material *material = &entry->material;
@@ -173,8 +191,10 @@ static void prepare_material(const sag_world *world, sagi_material *entry) {
                             .thickness = fmax(material->thickness.value.r, 0),
                             .coat = plain_facets(material)};
     entry->has_shares = coat.coat.ax > 0 && coat.ior != 1;
-    entry->inner_mean = entry->has_shares ? sagi_coat_table(&coat, entry->rough_share)
-                                          : sagi_fresnel_inner_mean(coat.ior, coat.thickness);
+    if (!entry->has_shares) entry->inner_mean = sagi_fresnel_inner_mean(coat.ior, coat.thickness);
+    entry->coat_ior = coat.ior, entry->coat_alpha = coat.coat.ax, entry->coat_thickness = coat.thickness;
+    if (entry->has_shares && !share_table(world, entry, &coat))
+        entry->inner_mean = sagi_coat_table(&coat, entry->rough_share, entry->lit_share);
 }
 
 static bool is_mixable(const sag_world *world, uint32_t id) {

@@ -34,11 +34,12 @@ typedef struct sagi_material {
     sag_rgb mirror;    // of a metal without textures: its colour at normal incidence
     double inner_mean; // of a coat
     bool has_shares;
-    float rough_share[SAGI_COAT_STEPS]; // of a rough coat, where has_shares
-    bool wants_spot;                    // it has textures, or what it does follows from the place
-    bool wants_footprint;               // of one of its textures
-    bool plain;                         // diffuse, of one colour
-    bool bent;                          // its shading frame is not the surface's own
+    double coat_ior, coat_alpha, coat_thickness;                    // of which
+    float rough_share[SAGI_COAT_STEPS], lit_share[SAGI_COAT_STEPS]; // of a rough coat, where has_shares
+    bool wants_spot;      // it has textures, or what it does follows from the place
+    bool wants_footprint; // of one of its textures
+    bool plain;           // diffuse, of one colour
+    bool bent;            // its shading frame is not the surface's own
 } sagi_material;
 
 // The look of one geometry; its user data is the id.

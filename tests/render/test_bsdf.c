@@ -85,7 +85,7 @@ static const material_case cases[] = {
       .ior = 1.5,
       .color = {1, 0.5F, 0.1F, 0},
       .thickness = 0.01,
-      .bounces = 5},
+      .events = 10},
      0.2},
     {"rough coat",
      {.kind = SAG_MATERIAL_COATED_DIFFUSE, .ior = 1.5, .color = {1, 0.5F, 0.1F, 0}, .facets = {0.2, 0.2}},
