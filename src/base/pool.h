@@ -5,6 +5,7 @@
 
 #include <pthread.h>
 #include <sagitta/base.h>
+#include <stdatomic.h>
 #include <sys/types.h>
 
 #define SAGI_MAX_THREADS 1024
@@ -17,6 +18,7 @@ typedef struct sagi_pool {
     pthread_cond_t work; // a job came, or the end
     pthread_cond_t done; // a thread left a job
     sagi_job *jobs;      // those that may have indices left; they live on their callers' stacks
+    atomic_uint posted;  // how many jobs there have been
     sagi_frame *frames;  // one for each thread that is inside a task
     pid_t owner;         // the process the threads run in
     bool stopping;

@@ -121,6 +121,13 @@ bool sagi_binary_fits(const sagi_leaf_maker *maker, const sagi_bvh_primitive *pr
 bool sagi_binary_build_range(const sagi_leaf_maker *maker, sagi_bvh_primitive *primitives,
                              sagi_binary_node *nodes, sagi_range range, uint32_t end);
 
+// Passes over a finished binary tree cut it into subtrees of so many node numbers at most, each of which one
+// thread does: `most`, but in a small tree less, so that there is something to do for all.
+static inline uint32_t sagi_task_size(uint32_t end, uint32_t most) {
+    const uint32_t least = 512, part = end / 16;
+    return part > most ? most : part < least ? least : part;
+}
+
 // The eight-wide tree of a binary one whose root is nodes[0] and whose numbers are below `end`. Changes the
 // inner nodes' counts. SAG_ERROR_MEMORY leaves *tree alone.
 sag_status sagi_bvh_collapse(const sag_context *context, const sagi_leaf_maker *maker,

@@ -8,9 +8,9 @@
 #include <string.h>
 
 #define MOST_SMALL  65536u // no task has more primitives
-#define LEAST_LARGE 8192u  // and none with so few is split by all threads
+#define LEAST_LARGE 1024u  // and none with so few is split by all threads
 #define TASKS       64u    // there should be about so many where that allows it
-#define CHUNK       4096u  // primitives a thread takes at a time from a large range
+#define CHUNK       2048u  // primitives a thread takes at a time from a large range
 #define SPARE       32u    // nodes that a task has beyond one a primitive
 
 // A range of primitives in work.
@@ -196,6 +196,8 @@ static void run_task(void *argument, size_t index) {
         atomic_store(&b->short_of_nodes, true);
 }
 
+// More tasks than are to be expected would need more numbers than `build` has memory for: then nothing is
+// done but to say so.
 static void build_binary(builder *b, part whole) {
     part stack[SAGI_BVH_MAX_DEPTH + 1];
     int waiting = 0;
@@ -213,6 +215,10 @@ static void build_binary(builder *b, part whole) {
         if (waiting == 0) break;
         whole = stack[--waiting];
         b->tops[whole.of].node.link = b->node_count;
+    }
+    if (b->node_count > b->node_capacity) {
+        atomic_store(&b->short_of_nodes, true);
+        return;
     }
     sag_parallel_for(b->context, b->task_count, bring_back, b);
     for (uint32_t i = 0; i < b->top_count; i++) b->nodes[b->tops[i].number] = b->tops[i].node;
@@ -241,7 +247,9 @@ static sag_status build(builder *b, const part *all) {
     b->node_count = b->top_count = b->task_count = 0;
     atomic_store(&b->short_of_nodes, false);
     const uint64_t most = 2 * (uint64_t)all->range.count - 1;
-    const uint64_t few = all->range.count + (uint64_t)b->task_capacity * (SPARE + 1);
+    const uint64_t tasks =
+        4 * (uint64_t)(all->range.count / b->large) + 8; // of which half are seldom exceeded
+    const uint64_t few = all->range.count + tasks * (SPARE + 1);
     b->node_capacity = (uint32_t)(b->several || most < few ? most : few);
     b->nodes = sag_allocate(b->context, b->node_capacity * sizeof *b->nodes);
     b->scratch = (sagi_bvh_primitive *)(void *)b->nodes;

@@ -8,7 +8,7 @@
 #include "bvh/forest.h"
 #include <string.h>
 
-#define TASK 16384u // binary nodes (by their numbers) below which a subtree is one thread's
+#define MOST_OF_TASK 16384u // binary nodes (by their numbers) below which a subtree is one thread's
 
 // The children of a wide node.
 typedef struct family {
@@ -136,9 +136,10 @@ static void take_all(writer *w, job first) {
 static uint32_t take_top(writer *w, uint32_t end, job *tasks) {
     job stack[SAGI_BVH_STACK_SIZE + 1] = {{{0, end}, w->next_node++, 1}};
     uint32_t task_count = 0;
+    const uint32_t size = sagi_task_size(end, MOST_OF_TASK);
     for (int waiting = 1; waiting > 0;) {
         job j = stack[--waiting];
-        if (j.binary.end - j.binary.root > TASK) {
+        if (j.binary.end - j.binary.root > size) {
             waiting += take_node(w, j, stack + waiting);
             continue;
         }

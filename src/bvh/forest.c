@@ -23,8 +23,8 @@
 #define NODE_COST 1.0f
 // What is so small that rays hardly ever meet it should at least take little memory: no box counts for less
 // than the root's area over this times the nodes' numbers, so all small ones together for little.
-#define LEAST_AREA 4.0f
-#define TASK       8192u // binary nodes (by their numbers) that one thread does at a time
+#define LEAST_AREA   4.0f
+#define MOST_OF_TASK 8192u // binary nodes (by their numbers) that one thread does at a time
 
 // No cost comes near; sums of two stay finite.
 #define NO_COST 0x1p120f
@@ -160,9 +160,10 @@ static uint32_t find_tasks(const sagi_binary_node *nodes, uint32_t end, sagi_sub
     sagi_subtree stack[SAGI_BVH_MAX_DEPTH + 1];
     int waiting = 0;
     uint32_t count = 0;
+    const uint32_t size = sagi_task_size(end, MOST_OF_TASK);
     for (sagi_subtree at = {0, end};;) {
         const sagi_binary_node *n = &nodes[at.root];
-        if (at.end - at.root > TASK && sagi_binary_leaf_count(n) == 0) {
+        if (at.end - at.root > size && sagi_binary_leaf_count(n) == 0) {
             stack[waiting++] = (sagi_subtree){n->link, at.end};
             at = (sagi_subtree){at.root + 1, n->link};
             continue;

@@ -7,7 +7,7 @@
 #include "scene/structure.h"
 #include "base/context.h"
 
-#define CHUNK 4096u
+#define CHUNK 1024u
 
 typedef struct sagi_chunk {
     sagi_survey found;
