@@ -163,17 +163,18 @@ static const sagi_material *chosen(const sag_world *world, const sagi_material *
 }
 
 static sagi_shading_frame shading_frame(const sag_world *world, const sag_material *material,
-                                        const sag_surface *surface, const sagi_spot *at) {
+                                        const sag_surface *surface, const sagi_origin *origin,
+                                        const sagi_spot *at) {
     const sagi_mipmap *normals = sagi_world_picture(world, material->normal_map);
     if (normals) return sagi_mapped_frame(normals, surface, at);
     if (material->displacement.texture != 0)
-        return sagi_bumped_frame(world, &material->displacement, surface, at);
+        return sagi_bumped_frame(world, &material->displacement, surface, origin, at);
     return sagi_plain_frame(surface);
 }
 
 bool sagi_material_look_up(const sag_world *world, const sagi_material *entry, const sag_surface *surface,
-                           const sagi_footprint *footprint, sag_vec3 wo, sagi_spectrum lambda,
-                           sagi_bsdf *bsdf) {
+                           const sagi_origin *origin, const sagi_footprint *footprint, sag_vec3 wo,
+                           sagi_spectrum lambda, sagi_bsdf *bsdf) {
     sagi_bsdf_begin(bsdf);
     if (entry->material.kind == SAG_MATERIAL_MIX) entry = chosen(world, entry, surface, footprint, wo);
     bsdf->kind = entry->material.kind;
@@ -182,7 +183,7 @@ bool sagi_material_look_up(const sag_world *world, const sagi_material *entry, c
     find_spot(entry, surface, footprint, &at);
     read_material(world, entry, &at, lambda, bsdf);
     sagi_shading_frame frame = sagi_plain_frame(surface);
-    if (entry->bent) frame = shading_frame(world, &entry->material, surface, &at);
+    if (entry->bent) frame = shading_frame(world, &entry->material, surface, origin, &at);
     sagi_bsdf_set_frame(bsdf, surface->geometric_normal, frame.normal, frame.tangent, wo);
     return true;
 }

@@ -24,16 +24,18 @@ static bool sees_through(const sag_world *world) {
     return false;
 }
 
-// Which meshes take their texture coordinates from their corners.
-static void find_square_uv(sag_world *world) {
+// Which meshes of scene files take their texture coordinates from their corners, which have normals.
+static void find_meshes(sag_world *world) {
     sagi_appearance *appearances = world->appearances.items;
     for (size_t i = 0; i < world->appearances.count; i++) {
         sagi_appearance *a = &appearances[i];
         sag_shape_kind kind;
         const void *shape = NULL;
-        a->square_uv = a->look.square_uv &&
-                       sag_geometry_get(a->scene, a->geometry, &kind, &shape) == SAG_OK &&
-                       kind == SAG_SHAPE_MESH && !((const sag_mesh *)shape)->texcoords_f32;
+        const bool is_mesh = a->look.square_uv &&
+                             sag_geometry_get(a->scene, a->geometry, &kind, &shape) == SAG_OK &&
+                             kind == SAG_SHAPE_MESH;
+        a->square_uv = is_mesh && !((const sag_mesh *)shape)->texcoords_f32;
+        a->smooth_mesh = is_mesh && ((const sag_mesh *)shape)->normals_f32;
     }
 }
 
@@ -59,7 +61,7 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     render->scene = world->scene;
     render->has_media = render->settings.integrator == SAG_INTEGRATOR_VOLPATH && world->media.count > 0;
     render->see_through = sees_through(world);
-    find_square_uv(world);
+    find_meshes(world);
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = sagi_clock_seconds() - start;

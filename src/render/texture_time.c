@@ -39,7 +39,7 @@ static double look_up(const sag_world *world, const sagi_material *entry, const 
     if (normals)
         sum += sagi_mapped_frame(normals, surface, &at).normal.x;
     else if (m->displacement.texture)
-        sum += sagi_bumped_frame(world, &m->displacement, surface, &at).normal.x;
+        sum += sagi_bumped_frame(world, &m->displacement, surface, NULL, &at).normal.x;
     return sum;
 }
 

@@ -26,7 +26,9 @@ static inline sagi_course sagi_trace(const sag_render *render, sagi_path *path, 
         if (course != SAGI_COURSE_MEETING) return course;
     }
     sagi_orient(meeting->appearance, &meeting->surface);
-    sagi_material_evaluate(render->world, meeting->appearance, &meeting->surface, &render->footprint,
+    const sagi_origin origin = {render->scene, ray, hit,
+                                meeting->appearance && meeting->appearance->smooth_mesh};
+    sagi_material_evaluate(render->world, meeting->appearance, &meeting->surface, &origin, &render->footprint,
                            sag_neg(ray->direction), path->wavelengths.lambda, &meeting->bsdf);
     return SAGI_COURSE_MEETING;
 }

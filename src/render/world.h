@@ -49,6 +49,7 @@ typedef struct sagi_appearance {
     sagi_color emission;
     double brightness; // of the emission; 0: it does not shine
     bool square_uv;    // the look's, and it is such a mesh
+    bool smooth_mesh;  // such a mesh, with normals
     sag_scene *scene;
     uint32_t geometry;
     uint32_t highest;  // id of this scene that had an appearance by then, this one included
@@ -111,19 +112,29 @@ bool sagi_texture_set(sag_world *world, sag_texture_id id, const sag_texture *te
 sag_texture_id sagi_textures_settle(sag_world *world);
 uint32_t sagi_material_reserve(sag_world *world);
 bool sagi_material_set(sag_world *world, uint32_t id, const sag_material *material);
+// By which hit a surface was found: bumps ask how its normal changes around it.
+typedef struct sagi_origin {
+    const sag_scene *scene;
+    const sag_ray *ray;
+    const sag_hit *hit;
+    bool smooth_mesh; // the appearance's
+} sagi_origin;
+
 // sagi_material_evaluate for any material.
 bool sagi_material_look_up(const sag_world *world, const sagi_material *entry, const sag_surface *surface,
-                           const sagi_footprint *footprint, sag_vec3 wo, sagi_spectrum lambda,
-                           sagi_bsdf *bsdf);
-// What the material of a surface (appearance 0: the default) scatters there; with the pixel's footprint, or
-// NULL: textures are looked up at points. False: nothing is there (interface).
+                           const sagi_origin *origin, const sagi_footprint *footprint, sag_vec3 wo,
+                           sagi_spectrum lambda, sagi_bsdf *bsdf);
+// What the material of a surface (appearance 0: the default) scatters there; of this origin, or NULL: it is
+// taken for flat; with the pixel's footprint, or NULL: textures are looked up at points. False: nothing is
+// there (interface).
 static inline bool sagi_material_evaluate(const sag_world *world, const sagi_appearance *appearance,
-                                          const sag_surface *surface, const sagi_footprint *footprint,
-                                          sag_vec3 wo, sagi_spectrum lambda, sagi_bsdf *bsdf) {
+                                          const sag_surface *surface, const sagi_origin *origin,
+                                          const sagi_footprint *footprint, sag_vec3 wo, sagi_spectrum lambda,
+                                          sagi_bsdf *bsdf) {
     const uint32_t id = appearance ? appearance->look.material : 0;
     const sagi_material *entry = id ? (const sagi_material *)world->materials.items + (id - 1) : NULL;
     if (entry && !entry->plain)
-        return sagi_material_look_up(world, entry, surface, footprint, wo, lambda, bsdf);
+        return sagi_material_look_up(world, entry, surface, origin, footprint, wo, lambda, bsdf);
     sagi_bsdf_begin(bsdf);
     if (entry) bsdf->color = sagi_spectrum_clamp(sagi_color_at(&entry->reflectance, lambda));
     sagi_bsdf_set_frame(bsdf, surface->geometric_normal, surface->shading_normal, surface->dpdu, wo);

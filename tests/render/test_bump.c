@@ -49,7 +49,7 @@ static void bumps_are_the_displaced_surface(void **state) {
         sagi_spot at;
         sagi_spot_at(&at, &surface);
         if (i % 2) at.dudx = 1e-7, at.dvdy = 1e-5; // the step is the footprint's
-        const sagi_shading_frame frame = sagi_bumped_frame(world, &displacement, &surface, &at);
+        const sagi_shading_frame frame = sagi_bumped_frame(world, &displacement, &surface, NULL, &at);
         const sag_vec3 u = sag_madd(surface.dpdu, 0.3 - 0.1 * surface.v, n);
         const sag_vec3 v = sag_madd(surface.dpdv, 0.2 - 0.1 * surface.u, n);
         sag_vec3 truth = sag_normalize(sag_cross(u, v));
@@ -63,10 +63,101 @@ static void bumps_are_the_displaced_surface(void **state) {
     const sag_surface surface = plane(&r);
     sagi_spot at;
     sagi_spot_at(&at, &surface);
-    const sagi_shading_frame frame = sagi_bumped_frame(world, &level, &surface, &at);
+    const sagi_shading_frame frame = sagi_bumped_frame(world, &level, &surface, NULL, &at);
     assert_true(sag_length(sag_sub(frame.normal, surface.shading_normal)) < 1e-12);
     sag_world_destroy(world);
     sag_context_destroy(context);
+}
+
+// On what is curved, bumps as high as a third of the radius: the normal of the surface that is moved by
+// 0.3 u + 0.2 v − 0.1 u v, by differences of its points. The curvature was left out once.
+static void bumps_on_curved_things_are_the_displaced_surface(void **state) {
+    (void)state;
+    studio s = studio_open(1);
+    const sag_cylinder cylinder = {.radius = 0.7, .z_min = -2, .z_max = 2};
+    const uint32_t ids[] = {sag_add_sphere(s.scene, &(sag_sphere){.radius = 1.5}),
+                            sag_add_cylinder(s.scene, &cylinder),
+                            sag_add_torus(s.scene, &(sag_torus){.major_radius = 2, .minor_radius = 0.6})};
+    const sag_affine turned = {{{0.8, -0.6, 0, 1}, {0.6, 0.8, 0, 2}, {0, 0, 1, 3}}};
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(sag_geometry_set_transform(s.scene, ids[i], &turned), SAG_OK);
+    const sag_input displacement = {.texture = saddle(s.world)};
+    rng r = rng_make(7);
+    for (int shape = 0, met = 0; shape < 3; shape++, met = 0) {
+        for (int i = 0; i < 3; i++) sag_geometry_set_enabled(s.scene, ids[i], i == shape);
+        assert_int_equal(sag_scene_commit(s.scene, NULL), SAG_OK);
+        for (int tries = 0; tries < 4000 && met < 300; tries++) {
+            const sag_vec3 middle = {1, 2, 3};
+            sag_ray ray = sag_ray_make(sag_madd(middle, 4, sag_normalize(random_vector(&r))), middle);
+            ray.direction = sag_sub(sag_madd(middle, 1.5, random_vector(&r)), ray.origin);
+            sag_hit hit;
+            if (!sag_intersect(s.scene, &ray, &hit)) continue;
+            sag_surface at, beside;
+            sag_surface_at(s.scene, &ray, &hit, &at);
+            if (sag_dot(ray.direction, at.geometric_normal) > -0.3 * sag_length(ray.direction)) continue;
+            sag_vec3 moved[3];
+            bool near_seam = false;
+            for (int k = 0; k < 3; k++) {
+                sag_ray near = ray;
+                const sag_vec3 step = k == 1 ? at.dpdu : at.dpdv;
+                if (k) near.origin = sag_madd(near.origin, 1e-5, step);
+                assert_true(sag_intersect(s.scene, &near, &hit));
+                sag_surface_at(s.scene, &near, &hit, &beside);
+                const double height = 0.3 * beside.u + 0.2 * beside.v - 0.1 * beside.u * beside.v;
+                moved[k] = sag_madd(beside.position, height, beside.shading_normal);
+                near_seam |= fabs(beside.u - at.u) + fabs(beside.v - at.v) > 0.1;
+            }
+            if (near_seam) continue;
+            met++;
+            sag_vec3 truth =
+                sag_normalize(sag_cross(sag_sub(moved[1], moved[0]), sag_sub(moved[2], moved[0])));
+            if (sag_dot(truth, at.geometric_normal) < 0) truth = sag_neg(truth);
+            const sagi_origin origin = {s.scene, &ray, &hit, false};
+            sag_intersect(s.scene, &ray, &hit);
+            sagi_spot spot;
+            sagi_spot_at(&spot, &at);
+            const sagi_shading_frame frame = sagi_bumped_frame(s.world, &displacement, &at, &origin, &spot);
+            assert_true(sag_length(sag_sub(frame.normal, truth)) < 2e-3);
+        }
+        assert_true(met >= 250);
+    }
+    studio_close(&s);
+}
+
+// Where a mesh of a scene file has normals, pbrt-v4's ∂p/∂v is across the normal and ∂p/∂u, and as long as
+// that; where it has none, the coordinates' own. A floor of 4 × 1 with a ramp up v: its slope, seen by light
+// from straight above, is the cosine.
+static void bumps_on_meshes_are_as_in_pbrt(void **state) {
+    (void)state;
+    for (int smooth = 0; smooth < 2; smooth++) {
+        studio s = studio_open(1);
+        const float points[] = {-2, 0, 0, 2, 0, 0, 2, 1, 0, -2, 1, 0}, uv[] = {0, 0, 1, 0, 1, 1, 0, 1};
+        const float up[] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+        const uint32_t corners[] = {0, 1, 2, 0, 2, 3};
+        const sag_mesh mesh = {.positions_f32 = points,
+                               .texcoords_f32 = uv,
+                               .normals_f32 = smooth ? up : NULL,
+                               .triangles = corners,
+                               .vertex_count = 4,
+                               .triangle_count = 2};
+        assert_int_equal(sag_add_mesh(s.scene, &mesh), 0);
+        assert_int_equal(sag_scene_commit(s.scene, NULL), SAG_OK);
+        const sag_texture ramp = {
+            .kind = SAG_TEXTURE_BILERP, .is_number = true, .b.value = {2, 0, 0}, .d.value = {2, 0, 0}};
+        const sag_input displacement = {.texture = sag_world_add_texture(s.world, &ramp)};
+        const sag_vec3 from = {0.3, 0.4, 1}, down = {0, 0, -1};
+        const sag_ray ray = sag_ray_make(from, down);
+        sag_hit hit;
+        sag_surface at;
+        assert_true(sag_intersect(s.scene, &ray, &hit));
+        sag_surface_at(s.scene, &ray, &hit, &at);
+        sagi_spot spot;
+        sagi_spot_at(&spot, &at);
+        const sagi_origin origin = {s.scene, &ray, &hit, smooth == 1};
+        const sagi_shading_frame frame = sagi_bumped_frame(s.world, &displacement, &at, &origin, &spot);
+        assert_true(fabs(frame.normal.z - 1 / sqrt(1 + (smooth ? 0.25 : 4))) < 1e-6);
+        studio_close(&s);
+    }
 }
 
 static sag_picture_id one_direction(sag_world *world, sag_context *context, sag_vec3 direction) {
@@ -122,7 +213,7 @@ static void nonsense_leaves_the_surface_as_it_is(void **state) {
     const sag_surface surface = plane(&r);
     sagi_spot at;
     sagi_spot_at(&at, &surface);
-    sagi_shading_frame frame = sagi_bumped_frame(world, &displacement, &surface, &at);
+    sagi_shading_frame frame = sagi_bumped_frame(world, &displacement, &surface, NULL, &at);
     assert_true(sag_length(sag_sub(frame.normal, surface.shading_normal)) == 0);
     const sag_vec3 nothing = {0, 0, 0};
     frame =
@@ -250,6 +341,8 @@ static void threads_see_the_same_holes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bumps_are_the_displaced_surface),
+        cmocka_unit_test(bumps_on_curved_things_are_the_displaced_surface),
+        cmocka_unit_test(bumps_on_meshes_are_as_in_pbrt),
         cmocka_unit_test(normals_are_the_pictures),
         cmocka_unit_test(nonsense_leaves_the_surface_as_it_is),
         cmocka_unit_test(bumps_change_the_light),

@@ -249,7 +249,7 @@ static double walk(const sag_render *render, rng *r) {
         sagi_orient(look, &surface);
         sagi_bsdf bsdf;
         if (!sagi_alpha_is_there(look, &surface, &ray) ||
-            !sagi_material_evaluate(render->world, look, &surface, NULL, sag_neg(ray.direction), lambda,
+            !sagi_material_evaluate(render->world, look, &surface, NULL, NULL, sag_neg(ray.direction), lambda,
                                     &bsdf)) {
             ray = sag_spawn_ray(&surface, ray.direction);
             continue;

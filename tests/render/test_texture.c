@@ -129,13 +129,13 @@ static void materials_read_their_inputs(void **state) {
     sag_vec3 wo = {0, 0, 1};
     const sagi_spectrum lambda = {450, 530, 600, 700};
     sagi_bsdf bsdf;
-    assert_true(sagi_material_evaluate(r.world, NULL, &surface, NULL, wo, lambda, &bsdf));
+    assert_true(sagi_material_evaluate(r.world, NULL, &surface, NULL, NULL, wo, lambda, &bsdf));
     assert_true(bsdf.kind == SAG_MATERIAL_DIFFUSE && bsdf.color[2] == 0.5F);
     sagi_appearance look = {.look.material = 1};
     // Reflectances are held within [0, 1], NaN is nothing; tiny roughness is a mirror.
     sag_material diffuse = {.reflectance.value = {7, -1, NAN}};
     assert_int_equal(sag_world_add_material(r.world, &diffuse), 1);
-    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, NULL, wo, lambda, &bsdf));
     for (int i = 0; i < 4; i++) assert_true(bsdf.color[i] >= 0 && bsdf.color[i] <= 1);
     assert_true(bsdf.color[0] < 0.1F && bsdf.color[3] > 0.9F);
     const sag_rgb red = sagi_material_albedo(r.world, &look, &surface, NULL);
@@ -144,7 +144,7 @@ static void materials_read_their_inputs(void **state) {
                           .reflectance.value = {0.5, 0.9, 0},
                           .roughness_u.value = {1e-4, 0, 0}};
     look.look.material = sag_world_add_material(r.world, &metal);
-    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, NULL, wo, lambda, &bsdf));
     sag_rgb color = sagi_material_albedo(r.world, &look, &surface, NULL);
     assert_true(bsdf.specular && fabs(color.r - 0.5) < 1e-12 && fabs(color.g - 0.9) < 1e-12 &&
                 color.b < 1e-12);
@@ -155,12 +155,12 @@ static void materials_read_their_inputs(void **state) {
     assert_int_equal(sag_world_add_spectrum(r.world, &eta, &lacquered.eta.spectrum), SAG_OK);
     assert_int_equal(sag_world_add_spectrum(r.world, &k, &lacquered.k.spectrum), SAG_OK);
     look.look.material = sag_world_add_material(r.world, &lacquered);
-    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
+    assert_true(sagi_material_evaluate(r.world, &look, &surface, NULL, NULL, wo, lambda, &bsdf));
     for (int i = 0; i < 4; i++)
         assert_true(fabsf(bsdf.eta[i] - 0.25F) < 1e-6F && fabsf(bsdf.k[i] - 2) < 1e-5F);
     sag_material air = {.kind = SAG_MATERIAL_INTERFACE};
     look.look.material = sag_world_add_material(r.world, &air);
-    assert_false(sagi_material_evaluate(r.world, &look, &surface, NULL, wo, lambda, &bsdf));
+    assert_false(sagi_material_evaluate(r.world, &look, &surface, NULL, NULL, wo, lambda, &bsdf));
     room_close(&r);
 }
 
