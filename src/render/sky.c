@@ -46,7 +46,8 @@ static bool make_table(sagi_light *light, const sag_context *context, bool compe
     const double mean = compensated ? sum / (double)count : 0;
     for (size_t i = 0; i < count; i++) left += fmax(weights[i] - mean, 0);
     for (size_t i = 0; i < count; i++) weights[i] = left > 0 ? fmax(weights[i] - mean, 0) : 1; // (all alike)
-    const bool made = sagi_window_table_init(&light->table, context, weights, image->width, image->height);
+    const bool made = sagi_window_table_init(&light->table, context, weights, image->width, image->height) &&
+                      sagi_window_table_guide(&light->table, context);
     sag_release(context, weights, count * sizeof *weights);
     return made;
 }

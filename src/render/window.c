@@ -3,7 +3,11 @@
 // between; the integral over a window is S at its four corners. For a given window the share left of x is
 // linear in each column, so x is found by halving the columns and solving within one; then y in the same way
 // within that column, where the density does not depend on x. In the whole square the row comes first, by the
-// sums of rows, then x within it: what is looked at lies together.
+// sums of rows, then x within it: what is looked at lies together. There, as the window is always the same,
+// a guide says for each of as many equal shares as there are cells in which cell it begins (Chen & Asau,
+// "On Generating Random Variates from an Empirical Distribution", AIIE Transactions 6(2), 1974): from there
+// it is two steps on the average, however uneven the cells are, for as many shares as cells are passed in
+// all.
 #include "window.h"
 
 #include <string.h>
@@ -33,7 +37,33 @@ bool sagi_window_table_init(sagi_window_table *table, const sag_context *context
     return true;
 }
 
+// Of a row that grows from low[0] − high[0] = 0 (find_between): the cells in which shares begin.
+static void guide_along(uint16_t *guide, const double *low, const double *high, uint32_t count) {
+    const double all = low[count] - (high ? high[count] : 0);
+    uint32_t cell = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        const double target = k * (1.0 / count) * all;
+        while (cell + 1 < count && low[cell + 1] - (high ? high[cell + 1] : 0) <= target) cell++;
+        guide[k] = (uint16_t)cell;
+    }
+}
+
+static size_t guide_count(const sagi_window_table *t) { return t->height * ((size_t)t->width + 1); }
+
+bool sagi_window_table_guide(sagi_window_table *t, const sag_context *context) {
+    if (t->width > 1u << 16 || t->height > 1u << 16) return true;
+    t->guide = sag_allocate(context, guide_count(t) * sizeof *t->guide);
+    if (!t->guide) return false;
+    guide_along(t->guide, t->rows, NULL, t->height);
+    for (uint32_t y = 0; y < t->height; y++) {
+        const double *above = t->sums + y * ((size_t)t->width + 1);
+        guide_along(t->guide + t->height + y * (size_t)t->width, above + t->width + 1, above, t->width);
+    }
+    return true;
+}
+
 void sagi_window_table_clear(sagi_window_table *table, const sag_context *context) {
+    if (table->guide) sag_release(context, table->guide, guide_count(table) * sizeof *table->guide);
     const size_t count = ((size_t)table->width + 1) * ((size_t)table->height + 1);
     sag_release(context, table->sums, count * sizeof *table->sums);
     sag_release(context, table->rows, ((size_t)table->height + 1) * sizeof *table->rows);
@@ -102,12 +132,19 @@ bool sagi_window_sample(const sagi_window_table *t, const sagi_window *w, sag_ve
 }
 
 // The place where the share u of what grows from low[0] − high[0] = 0 to low[count] − high[count] is reached;
-// *cell is the cell it lies in. `high` may be NULL.
-static inline double find_between(const double *low, const double *high, uint32_t count, double u,
-                                  uint32_t *cell) {
+// *cell is the cell it lies in. `high` and `guide` may be NULL.
+static inline double find_between(const double *low, const double *high, const uint16_t *guide,
+                                  uint32_t count, double u, uint32_t *cell) {
 #define BEFORE(i) (low[i] - (high ? high[i] : 0))
     const double target = u * BEFORE(count);
     uint32_t first = 0, last = count - 1;
+    if (guide) {
+        const double share = u * count;
+        first = guide[share < last ? (uint32_t)share : last];
+        while (first > 0 && BEFORE(first) > target) first--; // where u · count is rounded up
+        while (first < last && !(BEFORE(first + 1) > target)) first++;
+        last = first;
+    }
     while (first < last) {
         const uint32_t middle = first + (last - first) / 2;
         if (BEFORE(middle + 1) > target)
@@ -131,10 +168,11 @@ bool sagi_window_sample_whole(const sagi_window_table *t, sag_vec2 u, sag_vec2 *
                               size_t *cell) {
     if (!(t->rows[t->height] > 0)) return false;
     uint32_t row, column;
-    const double y = find_between(t->rows, NULL, t->height, u.y, &row);
+    const double y = find_between(t->rows, NULL, t->guide, t->height, u.y, &row);
     const double *above = t->sums + (size_t)row * (t->width + 1), *below = above + t->width + 1;
     if (!(below[t->width] - above[t->width] > 0)) return false;
-    const double x = find_between(below, above, t->width, u.x, &column);
+    const uint16_t *guide = t->guide ? t->guide + t->height + (size_t)row * t->width : NULL;
+    const double x = find_between(below, above, guide, t->width, u.x, &column);
     *p = (sag_vec2){x / t->width, y / t->height};
     *pdf = cell_at(above + column, below + column) * t->width * t->height / t->rows[t->height];
     *cell = (size_t)row * t->width + column;

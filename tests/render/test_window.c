@@ -20,11 +20,12 @@ static void samples_follow_the_window(void **state) {
     (void)state;
     rng r = rng_make(1);
     sag_context *context = sag_context_create(&(sag_context_options){.thread_count = 1});
-    for (int k = -1; k < 8; k++) { // −1: the way for the whole square
+    for (int k = -2; k < 8; k++) { // −1: the way for the whole square; −2: with its guide
         double weights[WIDTH * HEIGHT];
         for (int i = 0; i < WIDTH * HEIGHT; i++) weights[i] = rng_one_in(&r, 3) ? 0 : rng_unit(&r);
         sagi_window_table table;
         assert_true(sagi_window_table_init(&table, context, weights, WIDTH, HEIGHT));
+        if (k == -2) assert_true(sagi_window_table_guide(&table, context));
         const double a = rng_unit(&r), b = rng_unit(&r), c = rng_unit(&r), d = rng_unit(&r);
         const sagi_window window = k <= 0 ? (sagi_window){{0, 0}, {1, 1}}
                                           : (sagi_window){{fmin(a, b), fmin(c, d)}, {fmax(a, b), fmax(c, d)}};
