@@ -246,7 +246,8 @@ SAGI_INLINE bool come_to_tree(question asked, level *here, bool *over) {
         if (!sag_ray_is_valid(ray)) return false;
         if (list(asked, here, world->unbounded, world->unbounded_count)) return !(*over = true);
     }
-    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, ray, &here->tree_ray)) return false;
+    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, ray, asked == ANY, &here->tree_ray))
+        return false;
     here->in_tree = true;
     here->limit = here->tree_ray.limit;
     if (world->unbounded_count != 0 && here->t_max < ray->t_max) lower_t_max(here, here->t_max);

@@ -247,17 +247,20 @@ SAGI_INLINE void take_quick_way(const sagi_world *world, const sag_ray *ray, sag
     out->error = 0x1p-43 + spread;
 }
 
-// Any direction, any spread: the quick way where it is allowed, else the careful one.
-static __attribute__((noinline)) bool make_unusual(const sagi_world *world, const sag_ray *ray,
-                                                   sagi_float_ray *out) {
+// How far transforms may have moved things, in tree's units.
+SAGI_INLINE double spread_of(const sagi_world *world, sagi_d4 o) {
+    if (!world->has_spread) return 0;
+    return (largest_of_three(sagi_d4_abs(o)) * world->spread_relative + world->spread_absolute) *
+           world->scale * 0x1p-50;
+}
+
+// Directions of any length: the quick way where it is allowed, else the careful one.
+SAGI_INLINE bool make_any_length(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
     sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
-    double largest = largest_of_three(size), spread = 0;
+    const double largest = largest_of_three(size), spread = spread_of(world, o);
     sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
-    if (world->has_spread)
-        spread = (largest_of_three(sagi_d4_abs(o)) * world->spread_relative + world->spread_absolute) *
-                 world->scale * 0x1p-50;
     if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min <= ray->t_max &&
           (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
         return make_carefully(world, ray, out);
@@ -271,12 +274,18 @@ static __attribute__((noinline)) bool make_unusual(const sagi_world *world, cons
     take_quick_way(world, ray, q, d, sagi_d4_to_f4(q), sagi_d4_to_f4(d), exponent, spread, out);
     return true;
 }
+static __attribute__((noinline)) bool make_unusual(const sagi_world *world, const sag_ray *ray,
+                                                   sagi_float_ray *out) {
+    return make_any_length(world, ray, out);
+}
 
 // Fills *out; false when the ray certainly misses everything in the tree or is not valid. Mostly max|dᵢ| is
-// in [½, 1) as it comes, no |dᵢ| is below 2⁻³⁹, and nothing in the world has a transform; then there is
-// little to do, and nothing of it in a row. (Rounded to floats, numbers are still ≥ 2⁻³⁹; what rounds to
-// something below 1 is below 1, and what rounds to more than ½ is at least ½.)
-SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+// in [½, 1) as it comes, unless the ray is one between two points (`shadow`), and no |dᵢ| is below 2⁻³⁹; then
+// there is little to do, and nothing of it in a row. (Rounded to floats, numbers are still ≥ 2⁻³⁹; what
+// rounds to something below 1 is below 1, and what rounds to more than ½ is at least ½.)
+SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, bool shadow,
+                                     sagi_float_ray *out) {
+    if (shadow) return make_any_length(world, ray, out);
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction));
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
     sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
@@ -287,10 +296,11 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     const sagi_i8 fits = sagi_f8_less(size, most) & sagi_f8_at_most(least, size); // no NaN
     const uint32_t fit = (uint32_t)sagi_i8_mask(fits),
                    long_enough = (uint32_t)sagi_i8_mask(sagi_f8_above(size, 0.5F));
+    const double spread = spread_of(world, o);
     const bool usual = (fit & 0x77) == 0x77 && (long_enough & 7) != 0 && ray->t_min >= 0 &&
-                       ray->t_min <= ray->t_max && !world->has_spread;
+                       ray->t_min <= ray->t_max && spread < 1;
     if (__builtin_expect(!usual, 0)) return make_unusual(world, ray, out);
-    take_quick_way(world, ray, q, d, p, raw, 0, 0, out);
+    take_quick_way(world, ray, q, d, p, raw, 0, spread, out);
     return true;
 }
 

@@ -244,7 +244,8 @@ static inline void place_line(solid_walk *w) {
 // False when the ray has no business in the solid.
 SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     const sagi_world *world = here->world;
-    here->in_tree = world->tree.node_count != 0 && sagi_float_ray_make(world, here->ray, &here->tree_ray);
+    here->in_tree =
+        world->tree.node_count != 0 && sagi_float_ray_make(world, here->ray, false, &here->tree_ray);
     if (!here->in_tree && (world->unbounded_count == 0 || !sag_ray_is_valid(here->ray))) return false;
     if (here->in_tree) {
         here->limit = here->tree_ray.limit;
