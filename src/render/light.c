@@ -157,13 +157,18 @@ double sagi_lights_choice(const sagi_lights *lights, const sagi_shading_point *f
     return sagi_light_tree_probability(&lights->tree, &view, index) / shares;
 }
 
-bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
-                        double choose, sag_vec2 u, sagi_light_sample *sample) {
-    uint32_t index;
-    if (!sagi_lights_choose(lights, from, &choose, &index, &sample->pdf)) return false;
+bool sagi_lights_sample_one(const sagi_lights *lights, uint32_t index, const sagi_shading_point *from,
+                            sagi_spectrum lambda, sag_vec2 u, sagi_light_sample *sample) {
     sample->delta = false;
     if (index < lights->light_count) return sample_light(&lights->lights[index], from, lambda, u, sample);
     return sample_area(lights, index - lights->light_count, from, lambda, u, sample);
+}
+
+bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
+                        double choose, sag_vec2 u, sagi_light_sample *sample) {
+    uint32_t index;
+    return sagi_lights_choose(lights, from, &choose, &index, &sample->pdf) &&
+           sagi_lights_sample_one(lights, index, from, lambda, u, sample);
 }
 
 sagi_spectrum sagi_lights_far(const sagi_lights *lights, const sagi_shading_point *from, sag_vec3 origin,

@@ -80,6 +80,9 @@ void sagi_lights_clear(sagi_lights *lights);
 // Draws a light and a direction. False when it gives nothing.
 bool sagi_lights_sample(const sagi_lights *lights, const sagi_shading_point *from, sagi_spectrum lambda,
                         double choose, sag_vec2 u, sagi_light_sample *sample);
+// The second half of that: of a light that is chosen, with sample->pdf the probability of the choice.
+bool sagi_lights_sample_one(const sagi_lights *lights, uint32_t index, const sagi_shading_point *from,
+                            sagi_spectrum lambda, sag_vec2 u, sagi_light_sample *sample);
 // Radiance at `origin` from the unit direction wi where no surface is hit. `from` NULL: as it is (seen by the
 // camera or through a mirror); else weighted, light by light, for a direction that the surface's sampling
 // found with surface_pdf.

@@ -9,7 +9,10 @@
 //
 // The direct integrator is the same path cut off after the first surface that is no mirror or glass.
 //
-// A step is what happens at one surface; who traces the rays between, and when, is wave.c's matter.
+// A step is what happens at one surface; who traces the rays between, and when, is wave.c's matter. What a
+// path does there is a chain: to find a direction to a lamp takes some five hundred instructions, nearly each
+// of which waits for the one before. So several paths that have nothing to do with each other go through it
+// together, stage by stage: while one waits, the processor is at the next.
 #include "job.h"
 #include "medium.h"
 #include "shapes/spawn.h"
@@ -28,25 +31,35 @@ static void add_emission(const sagi_lights *lights, sagi_path *p, sag_vec3 wo, c
     add(p, emission);
 }
 
-// Light of one sampled light at this surface.
-static void add_light(sagi_wave *wave, sagi_path *p, const sagi_meeting *m) {
-    const sagi_lights *lights = &wave->render->lights;
+// Chooses a lamp for the surface, if that has any use for one.
+static void choose_light(const sagi_lights *lights, sagi_visit *v) {
+    sagi_path *p = v->path;
+    v->lit = !v->meeting.bsdf.specular;
+    if (!v->lit) return;
     double choose = sagi_sampler_1d(&p->sampler);
-    sag_vec2 u = sagi_sampler_2d(&p->sampler);
-    sagi_light_sample sample;
-    if (!sagi_lights_sample(lights, &p->from, p->wavelengths.lambda, choose, u, &sample)) return;
+    v->u = sagi_sampler_2d(&p->sampler);
+    v->lit = sagi_lights_choose(lights, &p->from, &choose, &v->lamp, &v->light.pdf);
+}
+
+// The light of the sampled direction, as the surface scatters it.
+static void add_light(sagi_wave *wave, const sagi_visit *v) {
+    sagi_path *p = v->path;
+    const sagi_meeting *m = &v->meeting;
+    const sagi_light_sample *sample = &v->light;
     double surface_pdf;
-    sagi_spectrum value = sagi_bsdf_eval(&m->bsdf, sample.wi, &surface_pdf);
-    double weight = sagi_light_weight(lights, surface_pdf, &sample);
-    value *= sample.radiance * (float)(weight / sample.pdf);
+    sagi_spectrum value = sagi_bsdf_eval(&m->bsdf, sample->wi, &surface_pdf);
+    double weight = sagi_light_weight(&wave->render->lights, surface_pdf, sample);
+    value *= sample->radiance * (float)(weight / sample->pdf);
     if (sagi_spectrum_is_black(value) && sagi_spectrum_is_finite(value)) return;
     const uint32_t medium =
-        wave->render->has_media ? sagi_medium_beyond(m->appearance, &m->surface, sample.wi, p->medium) : 0;
-    sagi_wave_add_light(wave, p, &m->surface, medium, &sample, value);
+        wave->render->has_media ? sagi_medium_beyond(m->appearance, &m->surface, sample->wi, p->medium) : 0;
+    sagi_wave_add_light(wave, p, &m->surface, medium, sample, value);
 }
 
 // Draws the next direction. False when the path ends.
-static bool scatter(const sag_render *render, sagi_path *p, const sagi_meeting *m, sag_ray *ray) {
+static bool scatter(const sag_render *render, sagi_visit *v) {
+    sagi_path *p = v->path;
+    const sagi_meeting *m = &v->meeting;
     double choose = sagi_sampler_1d(&p->sampler);
     sag_vec2 u = sagi_sampler_2d(&p->sampler);
     sagi_bsdf_sample sample;
@@ -57,11 +70,13 @@ static bool scatter(const sag_render *render, sagi_path *p, const sagi_meeting *
     p->scattered |= !sample.specular;
     p->eta2 *= sample.eta * sample.eta;
     p->depth++;
+    p->distance = 0;
+    p->passed = 0;
     if (render->has_media) p->medium = sagi_medium_beyond(m->appearance, &m->surface, sample.wi, p->medium);
-    sagi_spawn(&m->surface, sample.wi, ray);
+    sagi_spawn(&m->surface, sample.wi, v->ray);
     const bool diffuse = m->bsdf.kind == SAG_MATERIAL_DIFFUSE ||
                          (m->bsdf.kind == SAG_MATERIAL_DIFFUSE_TRANSMISSION && !sample.transmission);
-    ray->mask = sample.transmission ? SAG_RAY_REFRACTION : diffuse ? SAG_RAY_DIFFUSE : SAG_RAY_REFLECTION;
+    v->ray->mask = sample.transmission ? SAG_RAY_REFRACTION : diffuse ? SAG_RAY_DIFFUSE : SAG_RAY_REFLECTION;
     return true;
 }
 
@@ -74,7 +89,7 @@ bool sagi_path_survives(sagi_path *p) {
     return true;
 }
 
-bool sagi_path_step(sagi_wave *wave, sagi_path *p, sagi_meeting *m, sag_ray *ray) {
+bool sagi_path_arrive(sagi_wave *wave, sagi_path *p, sagi_meeting *m, const sag_ray *ray) {
     const sag_render *render = wave->render;
     bool direct = render->settings.integrator == SAG_INTEGRATOR_DIRECT;
     if (!m) {
@@ -94,6 +109,20 @@ bool sagi_path_step(sagi_wave *wave, sagi_path *p, sagi_meeting *m, sag_ray *ray
     p->from.normal = m->bsdf.wo.z < 0 ? sag_neg(m->bsdf.n) : m->bsdf.n;
     p->from.reflects_only =
         m->bsdf.kind != SAG_MATERIAL_DIELECTRIC && m->bsdf.kind != SAG_MATERIAL_DIFFUSE_TRANSMISSION;
-    if (!m->bsdf.specular) add_light(wave, p, m);
-    return scatter(render, p, m, ray) && sagi_path_survives(p);
+    return true;
+}
+
+void sagi_path_scatter(sagi_wave *wave, sagi_visit *const visits[], uint32_t count) {
+    const sagi_lights *lights = &wave->render->lights;
+    for (uint32_t i = 0; i < count; i++) choose_light(lights, visits[i]);
+    for (uint32_t i = 0; i < count; i++) {
+        sagi_visit *v = visits[i];
+        if (v->lit)
+            v->lit = sagi_lights_sample_one(lights, v->lamp, &v->path->from, v->path->wavelengths.lambda,
+                                            v->u, &v->light);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (visits[i]->lit) add_light(wave, visits[i]);
+    for (uint32_t i = 0; i < count; i++)
+        visits[i]->goes_on = scatter(wave->render, visits[i]) && sagi_path_survives(visits[i]->path);
 }

@@ -158,11 +158,23 @@ void sagi_shadow_ray(const sag_surface *from, const sagi_light_sample *sample, s
 sagi_course sagi_trace_shadow(const sag_render *render, const sagi_light_sample *sample, sag_ray *ray,
                               const sag_hit *hit, uint32_t *medium);
 
-// The integrators: what happens where a path's ray has met something (NULL: nothing). True when the path goes
-// on with what is then in *ray.
-bool sagi_path_step(sagi_wave *wave, sagi_path *path, sagi_meeting *meeting, sag_ray *ray);
-// The same for light that is followed from the lamps (particle.c): its radiance is what left the lamp. How it
-// starts; false where it ends at once.
+// The integrators. What happens where a path's ray has met something (NULL: nothing): true when it scatters
+// there, which sagi_path_scatter does for several.
+bool sagi_path_arrive(sagi_wave *wave, sagi_path *path, sagi_meeting *meeting, const sag_ray *ray);
+typedef struct sagi_visit {
+    sagi_path *path;
+    sag_ray *ray; // that met the surface; that goes on
+    sagi_meeting meeting;
+    sagi_light_sample light;
+    sag_vec2 u;    // its point
+    uint32_t lamp; // its number
+    bool lit;      // there is any
+    bool goes_on;  // the path does, with what is in *ray
+} sagi_visit;
+void sagi_path_scatter(sagi_wave *wave, sagi_visit *const visits[], uint32_t count);
+// Light that is followed from the lamps (particle.c): its radiance is what left the lamp. What happens where
+// its ray has met something; true when it goes on with what is then in *ray. And how it starts; false where
+// it ends at once.
 bool sagi_particle_step(sagi_wave *wave, sagi_path *path, sagi_meeting *meeting, sag_ray *ray);
 bool sagi_particle_start(sagi_wave *wave, sagi_path *path, sag_ray *ray);
 // The same for those that show what the camera's ray met: they end there.
