@@ -10,7 +10,9 @@
 // values of all products in x · n, in doubles D is off by 7.1u S(d) (so many roundings lie on a path), and
 // n · P by 7.1u S(P) and what P itself is off by: u (1.01 |a − o| + 1.01 |t₀ d| + |P|), at most
 // u (2.1 |P| + 2.1 |t₀ d|), in S. A product that underflows is off by 2⁻¹⁰⁷⁵; where that may matter, S and
-// the bounds have smallest numbers of their own. NaN and infinite numbers are certain of nothing.
+// the bounds have smallest numbers of their own. (Much larger than the smallest there are: what is subnormal
+// takes processors long, and the triangles of walls have a 0 in n.) NaN and infinite numbers are certain of
+// nothing.
 //
 // That the true t is out of range is not enough: the one that triangle_solve.h hands out is off by up to 4
 // ulp, 8u |t|, and an answer must not depend on who was asked. So t has to be beyond t₀ by more than that,
@@ -31,7 +33,7 @@ SAGI_INLINE bool sagi_triangle_is_beyond(const sag_ray *ray, double t_max, const
     const sagi_d4 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
     const sagi_d4 plus = sagi_solve1_turn_back(ab) * ac, minus = ab * sagi_solve1_turn_back(ac);
     const sagi_d4 n = plus - minus; // (y z x), as what follows
-    const sagi_d4 products = (sagi_d4_abs(plus) + sagi_d4_abs(minus)) + sagi_d4_fill(0x1p-1022);
+    const sagi_d4 products = (sagi_d4_abs(plus) + sagi_d4_abs(minus)) + sagi_d4_fill(0x1p-900);
     const sagi_d4 turned_d = sagi_solve1_turn(d), way = sagi_solve1_turn(corner[0] - o);
     const sagi_d4 p = way - sagi_d4_fill(ray->t_min) * turned_d;
     double sum[4];
