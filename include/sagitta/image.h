@@ -54,8 +54,9 @@ SAG_API sag_status sag_image_read(const sag_context *context, const char *path, 
                                   sag_image *image, sag_error *error);
 
 /// Writes by the name's ending, in either case: .png (8-bit sRGB, clipped to [0, 1], rounded to the nearest,
-/// NaN as 0; other colour spaces are converted), .pfm (without alpha) and .exr (32-bit float, ZIP; channels R
-/// G B A or Y A, with the colour space's chromaticities), both linear and exact. The file appears whole or
+/// NaN as 0; other colour spaces are converted), .pfm (without alpha; other colour spaces are
+/// converted too) and .exr (32-bit float, ZIP; channels R G B A or Y A, with the colour space's
+/// chromaticities), both linear and exact. The file appears whole or
 /// not at all: it is written beside its place under a temporary name, then renamed; a pipe or device is
 /// written to directly. Directories are not made. SAG_ERROR_ARGUMENT for another ending or an empty image,
 /// SAG_ERROR_IO with the system's reason.

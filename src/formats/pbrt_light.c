@@ -77,7 +77,8 @@ static sag_status spot_light(sagi_pbrt *p, double scale) {
                            sag_affine_point(&p->state.ctm, triple(params, "from", sag_vec3_make(0, 0, 0))),
                        .to = sag_affine_point(&p->state.ctm, triple(params, "to", sag_vec3_make(0, 0, 1))),
                        .cone_rad = cone,
-                       .cone_delta_rad = delta};
+                       .cone_delta_rad = delta,
+                       .to_world = p->state.ctm};
     if (!(sag_length(sag_sub(light.to, light.from)) > 0))
         return sagi_params_fail(params, NULL, "from and to are the same point");
     return finish(p, &light, "I", scale);

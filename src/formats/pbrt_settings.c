@@ -155,6 +155,12 @@ sag_status sagi_pbrt_film(sagi_pbrt *p, sagi_place place) {
         strcmp(name, "image") != 0)
         return unknown(p, place, "film", name);
     p->film_at = place;
+    if (strcmp(name, "spectral") == 0) {
+        sagi_pbrt_warn(p, place, "Film \"spectral\" is not supported: \"rgb\" takes its place");
+        sagi_pbrt_ignore(p, "nbuckets", NULL);
+        sagi_pbrt_ignore(p, "lambdamin", NULL);
+        sagi_pbrt_ignore(p, "lambdamax", NULL);
+    }
     sagi_params *params = &p->params;
     sag_film *film = &sag_world_settings(p->world)->film;
     const int32_t width = sagi_params_integer(params, "xresolution", 1280);

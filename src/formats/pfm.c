@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // PFM, the portable float map: "PF" (RGB) or "Pf" (grey), width, height, a scale whose sign tells the byte
-// order (negative: little-endian), one white-space byte, then rows of 32-bit floats from the bottom up.
+// order (negative: little-endian), one white-space byte, then rows of 32-bit floats from the bottom up. It
+// has no word for a colour space: what is read is taken for linear sRGB, and what is written becomes it, as
+// with pbrt-v4.
 #include "formats/image.h"
 
 #include "formats/number.h"
+#include "render/colorspace.h"
 
 #include <math.h>
 #include <string.h>
@@ -59,7 +62,14 @@ void sagi_pfm_write(const sag_image *image, FILE *file) {
     fprintf(file, "%s\n%u %u\n-1.0\n", color ? "PF" : "Pf", image->width, image->height);
     for (uint32_t row = image->height; row-- > 0;) {
         for (uint32_t x = 0; x < image->width; x++) {
-            const float *pixel = image->pixels + ((size_t)row * image->width + x) * image->channels;
+            float pixel[4];
+            memcpy(pixel, image->pixels + ((size_t)row * image->width + x) * image->channels,
+                   image->channels * sizeof *pixel);
+            if (color && image->color_space != SAG_COLOR_SRGB) {
+                double own[3] = {(double)pixel[0], (double)pixel[1], (double)pixel[2]}, values[3];
+                sagi_color_convert(image->color_space, SAG_COLOR_SRGB, own, values);
+                for (int c = 0; c < 3; c++) pixel[c] = (float)values[c];
+            }
             for (int c = 0; c < (color ? 3 : 1); c++) {
                 uint32_t bits;
                 memcpy(&bits, &pixel[c], 4);

@@ -19,10 +19,13 @@ static sag_vec3 around(sag_vec3 axis, sag_vec3 local) {
     return sag_madd(sag_madd(sag_scale(s, local.x), local.y, t), local.z, axis);
 }
 
-static double spot_falloff(const sagi_light *light, double cosine) {
-    if (cosine >= light->cos_full) return 1;
-    const double x = (cosine - light->cos_cone) / (light->cos_full - light->cos_cone);
-    return x > 0 ? x * x * (3 - 2 * x) : 0;
+// Takes directions to the world: dω there of what is a piece of area 1 across a unit one, or of the plane z
+// = 1.
+static double spread(const sag_affine *to_world, sag_vec3 *direction) {
+    const sag_vec3 way = sag_affine_vector(to_world, *direction);
+    const double length = sag_length(way);
+    *direction = sag_scale(way, 1 / length);
+    return fabs(sag_affine_determinant(to_world)) / (length * length * length);
 }
 
 static bool leave_point(const sagi_light *light, sagi_spectrum lambda, sag_vec2 u, sagi_leaving *leaving) {
@@ -33,16 +36,15 @@ static bool leave_point(const sagi_light *light, sagi_spectrum lambda, sag_vec2 
         const double cosine = 1 - u.x * (1 - light->cos_cone), sine = sqrt(fmax(0, 1 - cosine * cosine));
         double sin_phi, cos_phi;
         sagi_sincos(2 * SAGI_RENDER_PI * u.y, &sin_phi, &cos_phi);
-        d = around(light->axis, (sag_vec3){sine * cos_phi, sine * sin_phi, cosine});
-        by_density = 2 * SAGI_RENDER_PI * (1 - light->cos_cone) * spot_falloff(light, cosine);
+        const sag_vec3 local = {sine * cos_phi, sine * sin_phi, cosine};
+        d = around(light->stretched ? light->own_axis : light->axis, local);
+        by_density = 2 * SAGI_RENDER_PI * (1 - light->cos_cone);
+        if (light->stretched) by_density *= spread(&description->to_world, &d);
+        by_density *= sagi_spot_falloff(light, d);
     } else if (description->kind == SAG_LIGHT_PROJECTION) {
         const sag_vec3 at = {(2 * u.x - 1) * light->screen.x, (2 * u.y - 1) * light->screen.y, 1};
-        const sag_vec3 way = sag_affine_vector(&description->to_world, at);
-        const double length = sag_length(way);
-        d = sag_scale(way, 1 / length);
-        // dω of a piece of the screen, as it stands in the world.
-        by_density = 4 * light->screen.x * light->screen.y *
-                     fabs(sag_affine_determinant(&description->to_world)) / (length * length * length);
+        d = at;
+        by_density = 4 * light->screen.x * light->screen.y * spread(&description->to_world, &d);
     }
     const bool picture =
         description->kind == SAG_LIGHT_GONIOMETRIC || description->kind == SAG_LIGHT_PROJECTION;

@@ -34,14 +34,6 @@ double sagi_light_weight(const sagi_lights *lights, double surface_pdf, const sa
     return 1 / (1 + sagi_square(surface_pdf / sample->pdf));
 }
 
-static double spot_falloff(const sagi_light *light, sag_vec3 away) {
-    double x = sag_dot(away, light->axis);
-    if (!(x > light->cos_cone)) return 0;
-    if (x >= light->cos_full) return 1;
-    x = (x - light->cos_cone) / (light->cos_full - light->cos_cone);
-    return x * x * (3 - 2 * x);
-}
-
 static bool sample_point(const sagi_light *light, const sagi_shading_point *from, sagi_spectrum lambda,
                          sagi_light_sample *sample) {
     sag_vec3 d = sag_sub(light->light.from, from->position);
@@ -49,7 +41,7 @@ static bool sample_point(const sagi_light *light, const sagi_shading_point *from
     if (!(distance > 0)) return false;
     sample->wi = sag_scale(d, 1 / distance);
     double scale = 1 / distance / distance;
-    if (light->light.kind == SAG_LIGHT_SPOT) scale *= spot_falloff(light, sag_neg(sample->wi));
+    if (light->light.kind == SAG_LIGHT_SPOT) scale *= sagi_spot_falloff(light, sag_neg(sample->wi));
     const bool picture =
         light->light.kind == SAG_LIGHT_GONIOMETRIC || light->light.kind == SAG_LIGHT_PROJECTION;
     sample->radiance = (picture ? sagi_beam_intensity(light, sag_neg(sample->wi), lambda)

@@ -21,7 +21,9 @@ typedef struct sagi_light {
     sag_vec3 axis;             // unit; spot: where it looks, distant: where its light comes from
     double cos_cone, cos_full; // spot: of the half angles where light ends and where it is full
     bool chosen;               // it is at infinity, and not black
-    sag_affine from_world;     // with a picture: directions to its space
+    bool stretched;            // a spot whose cone is round in its own space only
+    sag_vec3 own_axis;         // unit, there
+    sag_affine from_world;     // with a picture, or stretched: directions to its space
     sagi_window_table table;   // infinite with a picture: by brightness
     sagi_glow *texels;         // its light; NULL: made when it is wanted
     size_t texel_count;
@@ -117,6 +119,17 @@ bool sagi_sky_sample(const sagi_light *light, const sagi_shading_point *from, sa
 // `compensated`: what surfaces' sampling finds well enough is left to it.
 sag_status sagi_sky_init(sagi_light *light, const sag_context *context, bool compensated, sag_error *error);
 void sagi_sky_clear(sagi_light *light, const sag_context *context);
+
+// A spot's share of its intensity in a unit direction away from it.
+static inline double sagi_spot_falloff(const sagi_light *light, sag_vec3 away) {
+    double x = light->stretched
+                   ? sag_dot(sag_normalize(sag_affine_vector(&light->from_world, away)), light->own_axis)
+                   : sag_dot(away, light->axis);
+    if (!(x > light->cos_cone)) return 0;
+    if (x >= light->cos_full) return 1;
+    x = (x - light->cos_cone) / (light->cos_full - light->cos_cone);
+    return x * x * (3 - 2 * x);
+}
 
 // Lights that shine from a point through a picture; beam.c.
 sag_status sagi_beam_init(sagi_light *light, sag_error *error);

@@ -28,6 +28,20 @@ static void init_color(sagi_light *light, const sag_world *world) {
     light->horizon = sagi_color_of_rgb(SAG_COLOR_SRGB, description->horizon, SAGI_RGB_ILLUMINANT);
 }
 
+// Whether a map makes ellipses of circles. (What is round to 2⁻⁴⁰ is round; zeros are the identity.)
+static bool is_stretched(const sag_affine *map) {
+    double dots[3][3], most = 0, off = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            dots[i][j] = 0;
+            for (int k = 0; k < 3; k++) dots[i][j] += map->m[k][i] * map->m[k][j];
+            most = fmax(most, fabs(dots[i][j]));
+        }
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) off = fmax(off, fabs(dots[i][j] - (i == j ? dots[0][0] : 0)));
+    return off > 0x1p-40 * most;
+}
+
 static sag_status init_light(sagi_light *light, const sag_light *description, const sag_world *world,
                              uint32_t id, sag_error *error) {
     light->light = *description;
@@ -48,6 +62,10 @@ static sag_status init_light(sagi_light *light, const sag_light *description, co
                                  id, cone, delta);
         light->cos_cone = sagi_cos(cone);
         light->cos_full = sagi_cos(cone - delta);
+        light->stretched = is_stretched(&description->to_world);
+        const sag_status placed = light->stretched ? sagi_light_place(light, error) : SAG_OK;
+        if (placed != SAG_OK) return placed;
+        if (light->stretched) light->own_axis = sag_normalize(sag_affine_vector(&light->from_world, along));
     }
     light->axis = sag_normalize(description->kind == SAG_LIGHT_DISTANT ? sag_neg(along) : along);
     if (description->kind == SAG_LIGHT_INFINITE)
@@ -79,6 +97,7 @@ static sagi_light_bounds light_bounds(const sagi_light *light) {
     if (sagi_light_is_far(light)) return bounds;
     bounds.intensity = light->brightness;
     if (light->light.kind == SAG_LIGHT_SPOT) {
+        if (light->stretched) return bounds; // all around: how far the cone reaches depends on the side
         bounds.axis = light->axis;
         bounds.cos_normals = light->cos_cone;
         bounds.cos_spread = 0.999; // nothing beyond; some room for rounding

@@ -118,6 +118,24 @@ static void test_floats_come_back_exactly(void **state) {
     }
 }
 
+// PFM has no word for a colour space: it is always sRGB's, as PNG is.
+static void test_pfm_is_srgb_whatever_the_film(void **state) {
+    (void)state;
+    sag_image out = make_image(2, 1, 3), in;
+    const float wide[6] = {0.5f, 0.5f, 0.5f, 0, 1, 0};
+    memcpy(out.pixels, wide, sizeof wide);
+    out.color_space = SAG_COLOR_REC2020;
+    assert_int_equal(sag_image_write(context, &out, in_folder("wide.pfm"), NULL), SAG_OK);
+    assert_int_equal(sag_image_read(context, in_folder("wide.pfm"), SAG_ENCODING_DEFAULT, &in, NULL), SAG_OK);
+    assert_int_equal(in.color_space, SAG_COLOR_SRGB);
+    // Both whites are D65; Rec.2020's green is outside of sRGB (ITU-R BT.2087).
+    const float srgb[6] = {0.5f, 0.5f, 0.5f, -0.5876f, 1.1329f, -0.1006f};
+    for (int i = 0; i < 6; i++)
+        if (!(fabsf(in.pixels[i] - srgb[i]) < 2e-3f)) fail_msg("%d: %g", i, (double)in.pixels[i]);
+    sag_image_clear(context, &in);
+    sag_image_clear(context, &out);
+}
+
 static void test_png_rounds_to_the_nearest_byte(void **state) {
     (void)state;
     for (uint32_t channels = 1; channels <= 4; channels++) {
@@ -538,6 +556,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(color_spaces_are_kept_or_converted),
         cmocka_unit_test(test_floats_come_back_exactly),
+        cmocka_unit_test(test_pfm_is_srgb_whatever_the_film),
         cmocka_unit_test(test_png_rounds_to_the_nearest_byte),
         cmocka_unit_test(test_srgb_is_its_own_inverse),
         cmocka_unit_test(test_other_formats),

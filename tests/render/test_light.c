@@ -65,6 +65,31 @@ static void spot_light_falls_off_smoothly(void **state) {
     expect_irradiance(&s, 7 * cos(PI / 4) / 18);
 }
 
+// pbrt's cone is round in the light's space: stretched 3 times along x, 45° in the world are atan(1/3) there.
+static void a_stretched_spot_shines_in_an_ellipse(void **state) {
+    (void)state;
+    sag_light spot = {.kind = SAG_LIGHT_SPOT,
+                      .color = {7, 7, 7},
+                      .from = {3, 3, 0},
+                      .to = {3, 0, 0},
+                      .cone_rad = 30 * PI / 180,
+                      .cone_delta_rad = 15 * PI / 180,
+                      .to_world = {{{3, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}};
+    const double x = (3 / sqrt(10) - cos(PI / 6)) / (cos(PI / 12) - cos(PI / 6));
+    studio s = floor_studio();
+    sag_world_add_light(s.world, &spot);
+    expect_irradiance(&s, 7 * x * x * (3 - 2 * x) * cos(PI / 4) / 18);
+    s = floor_studio(); // to the other side it is as narrow as ever
+    spot.from = (sag_vec3){0, 3, 3}, spot.to = (sag_vec3){0, 0, 3};
+    sag_world_add_light(s.world, &spot);
+    expect_irradiance(&s, 0);
+    s = floor_studio(); // turned, mirrored and enlarged it is round
+    spot.to_world = (sag_affine){{{0, 0, 3, 1}, {0, -3, 0, 0}, {3, 0, 0, 0}}}, spot.cone_rad = PI / 3;
+    spot.cone_delta_rad = 0;
+    sag_world_add_light(s.world, &spot);
+    expect_irradiance(&s, 7 * cos(PI / 4) / 18);
+}
+
 static void distant_light(void **state) {
     (void)state;
     studio s = floor_studio();
@@ -398,6 +423,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(point_light),
         cmocka_unit_test(spot_light_falls_off_smoothly),
+        cmocka_unit_test(a_stretched_spot_shines_in_an_ellipse),
         cmocka_unit_test(distant_light),
         cmocka_unit_test(shadows),
         cmocka_unit_test(ball_light),

@@ -24,6 +24,7 @@ typedef enum lamp {
     TWO_SIDED,
     POINT,
     SPOT,
+    STRETCHED,
     DISTANT,
     SKY,
     PICTURE,
@@ -60,6 +61,10 @@ static void add_lamp(studio *s, lamp which) {
         return;
     case POINT: light.kind = SAG_LIGHT_POINT; break;
     case SPOT: light.kind = SAG_LIGHT_SPOT, light.cone_rad = 0.5, light.cone_delta_rad = 0.2; break;
+    case STRETCHED:
+        light.kind = SAG_LIGHT_SPOT, light.cone_rad = 0.5, light.cone_delta_rad = 0.2;
+        light.to_world = (sag_affine){{{1, 0.3, 0, 0}, {0, 2, 0, 0}, {0.5, 0, 1, 0}}};
+        break;
     case DISTANT: light.kind = SAG_LIGHT_DISTANT, light.color = (sag_rgb){2, 2, 2}; break;
     case SKY: light.kind = SAG_LIGHT_SKY, light.color = (sag_rgb){1, 1, 1}; break;
     case PICTURE:

@@ -70,6 +70,17 @@ static void test_power(void **state) {
     sag_world_destroy(world);
 }
 
+// A spot under a transform that is no similarity is stretched with it.
+static void test_a_spot_is_stretched_by_its_transform(void **state) {
+    (void)state;
+    sag_world *world = scene_load_good(W "Translate 0 1 0 Scale 3 1 1\n"
+                                         "LightSource \"spot\" \"point3 to\" [1 0 0]\n");
+    near(light_of(world, 0)->to_world.m[0][0], 3);
+    near(light_of(world, 0)->to.x, 3);
+    near(light_of(world, 0)->to.y, 1);
+    sag_world_destroy(world);
+}
+
 // pbrt's scale for the illuminance of a picture that is the same everywhere: half of what π would ask for.
 static void test_illuminance_of_a_picture(void **state) {
     (void)state;
@@ -203,6 +214,7 @@ static int setup(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_power),
+        cmocka_unit_test(test_a_spot_is_stretched_by_its_transform),
         cmocka_unit_test(test_illuminance_of_a_picture),
         cmocka_unit_test(test_illuminance_of_an_exr_picture_counts_red_for_blue),
         cmocka_unit_test(test_places),

@@ -32,9 +32,10 @@ typedef struct sag_light {
     /// square, in the equal-area octahedral mapping (Clarberg 2008), as pbrt-v4's. Projection: looks along +z
     /// of the light's space, +x right and +y down, the first row at −y.
     sag_image image;
-    sag_affine
-        to_world;   ///< turns the picture (its translation does not count); zero-initialised: the identity
-    double fov_rad; ///< projection: of the shorter side; 0 counts as 90°
+    /// Turns the picture (its translation does not count); zero-initialised: the identity. Of a spot:
+    /// stretches its cone, which is round before; pbrt-v4's, under a transform that is no similarity.
+    sag_affine to_world;
+    double fov_rad;     ///< projection: of the shorter side; 0 counts as 90°
     sag_vec3 portal[4]; ///< infinite, with has_portal: only what comes in through this rectangle, to points
                         ///< that (portal[3] − portal[0]) × (portal[1] − portal[0]) looks away from
     bool has_portal;
