@@ -202,7 +202,7 @@ static inline void take_hit(question asked, level *here, const sag_hit *hit) {
         else
             sagi_collector_add(&s->collector, hit);
     } else if (!s->found || sagi_hit_before(hit, s->best)) {
-        *s->best = *hit, s->found = true;
+        *s->best = *hit, s->found = s->odd = true;
         lower_t_max(here, hit->t);
     }
 }
@@ -221,7 +221,7 @@ static inline solid_report report(question asked, solid_walk *w, solid_event *e,
     search *s = here->search;
     if (asked == CLOSEST && !e->again && (!s->found || e->t < s->best->t)) { // in its place at once
         write_hit(s, w->parts[e->part].geometry, e->primitive, e->t, 0, 0, s->best);
-        s->best->flipped = e->entering != entering, s->found = true;
+        s->best->flipped = e->entering != entering, s->found = s->odd = true;
         lower_t_max(here, e->t);
         return TAKEN;
     }

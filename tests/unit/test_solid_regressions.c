@@ -228,6 +228,59 @@ static void pov_209_139_coincident_faces(void **state) {
     }
 }
 
+// Leaves rubbish where the next function will have its variables.
+static __attribute__((noinline)) void soil_the_stack(void) {
+    volatile char rubbish[100000];
+    for (size_t i = 0; i < sizeof rubbish; i++) rubbish[i] = 0x24;
+}
+
+// A face of a solid that stands on another surface: both are met at the same t, and the one of the scene
+// itself is told. (What nobody had written was read, to be thrown away: the sanitizer said so of dice on a
+// table.)
+static void solids_that_stand_on_something(void **state) {
+    (void)state;
+    rng r = rng_make(8);
+    for (uint32_t first = 0; first < 2; first++) {
+        sag_scene *solid = sag_scene_create(context), *scene = sag_scene_create(context);
+        const sag_solid_step steps[5] = {{SAG_SOLID_PART, 0},
+                                         {SAG_SOLID_PART, 1},
+                                         {SAG_SOLID_UNION, 2},
+                                         {SAG_SOLID_PART, 2},
+                                         {SAG_SOLID_DIFFERENCE, 2}};
+        sag_add_box(solid, &(sag_box){{-1, -1, 0}, {1, 1, 1}});
+        sag_add_sphere(solid,
+                       &(sag_sphere){.center = {2, 0, -0.5}, .radius = 0.5}); // the solid's box begins sooner
+        sag_add_cylinder(solid, &(sag_cylinder){.radius = 0.2, .z_min = 0.5, .z_max = 2, .closed = true});
+        assert_int_equal(sag_scene_set_solid(solid, &(sag_solid){steps, 5}, NULL), SAG_OK);
+        assert_int_equal(sag_scene_commit(solid, NULL), SAG_OK);
+        if (first == 1) sag_add_instance(scene, solid, NULL);
+        sag_add_disk(scene, &(sag_disk){.normal = {0, 0, 1}, .radius = 3});
+        if (first == 0) sag_add_instance(scene, solid, NULL);
+        for (int i = 0; i < 30; i++) // so that the two are in different leaves
+            sag_add_disk(scene, &(sag_disk){.center = {i, 9, 0}, .normal = {0, 0, 1}, .radius = 0.1});
+        assert_int_equal(sag_scene_commit(scene, NULL), SAG_OK);
+        sag_ray rays[64];
+        sag_hit hits[64], hit, all[2];
+        for (int i = 0; i < 64; i++) // from below, as in a picture and as they come
+            rays[i] = sag_ray_make((sag_vec3){0, 0, -2}, sag_vec3_make(i % 8 / 20.0, i / 8 / 20.0, 1));
+        for (int turn = 0; turn < 2; turn++) {
+            soil_the_stack();
+            sag_intersect_batch(scene, rays, hits, 64);
+            for (int i = 0; i < 64; i++) {
+                soil_the_stack();
+                assert_true(sag_intersect(scene, &rays[i], &hit));
+                assert_memory_equal(&hit, &hits[i], sizeof hit);
+                assert_true(sag_intersect_all(scene, &rays[i], all, 2) >= 2);
+                assert_true(all[0].t == all[1].t && hit.t == all[0].t);
+                assert_int_equal(hit.instance_depth, 0);
+                rays[i] = sag_ray_make(sag_vec3_make(rng_uniform(&r, -1, 1), rng_uniform(&r, -1, 1), -2),
+                                       sag_vec3_make(0, 0, 2));
+            }
+        }
+        sag_scene_destroy(scene), sag_scene_destroy(solid);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(openmc_1933_2053_start_on_a_torus),
@@ -236,6 +289,7 @@ int main(void) {
         cmocka_unit_test(pov_358_boundaries_are_on_the_surfaces),
         cmocka_unit_test(mitsuba_1871_thin_shell),
         cmocka_unit_test(pov_209_139_coincident_faces),
+        cmocka_unit_test(solids_that_stand_on_something),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
