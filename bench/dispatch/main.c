@@ -87,7 +87,7 @@ static void count_runs(const sagi_world *world, double *list, double *run) {
     for (uint32_t n = 0; n < tree->node_count; n++)
         for (int k = 0; k < SAGI_BVH_WIDTH; k++) {
             const sagi_bvh_node *node = &tree->nodes[n];
-            if (!(node->plane[0][k] <= node->plane[3][k]) || !(node->child[k] & SAGI_BVH_LEAF)) continue;
+            if (!(node->plane[0][k] <= node->plane[3][k]) || !sagi_bvh_is_leaf(node->child[k])) continue;
             const sagi_block *block = sagi_leaf(tree, node->child[k]);
             lists++;
             for (uint32_t i = 0; i < block->count; i++, references++) {

@@ -28,9 +28,11 @@ typedef struct sagi_bvh_reference {
 
 // A node: the boxes of its eight children, coordinate by coordinate, so that one instruction handles all
 // eight. plane[0…2] are the lower x, y, z of each child, plane[3…5] the upper. A child without the bit
-// SAGI_BVH_LEAF is the node of that number; with it, the rest is where its leaf begins, in units. Children
-// that are not there have the box lo = ∞, hi = −∞, which no ray meets. 224 bytes: four cache lines, wherever
-// it begins, and no power of two, so that nodes spread over the sets of a cache.
+// SAGI_BVH_LEAF is the node that begins so many times eight bytes after the first one, which an instruction's
+// address can say (a number would have to be multiplied by 224, and a ray alone waits for that at each node);
+// with it, the rest is where its leaf begins, in units. Children that are not there have the box lo = ∞, hi =
+// −∞, which no ray meets. 224 bytes: four cache lines, wherever it begins, and no power of two, so that nodes
+// spread over the sets of a cache.
 typedef struct sagi_bvh_node {
     float plane[6][8];
     uint32_t child[8];
@@ -38,7 +40,8 @@ typedef struct sagi_bvh_node {
 _Static_assert(sizeof(sagi_bvh_node) == 224, "seven times 32 bytes");
 
 #define SAGI_BVH_LEAF      0x80000000u
-#define SAGI_BVH_UNIT      ((size_t)64) // bytes
+#define SAGI_BVH_STEP      ((size_t)8)  // bytes
+#define SAGI_BVH_UNIT      ((size_t)64) // bytes, of leaves
 #define SAGI_BVH_MAX_UNITS 63
 #define SAGI_BVH_MIXED     0xFFFFFFFFu
 
@@ -65,6 +68,25 @@ typedef struct sagi_bvh {
     float sah;      // what a ray that meets the box costs on average, a visit of a node being 1 (forest.c)
     sagi_float_box box; // of everything; empty for an empty tree
 } sagi_bvh;
+
+#define SAGI_BVH_NODE_STEPS ((uint32_t)(sizeof(sagi_bvh_node) / SAGI_BVH_STEP))
+_Static_assert(SAGI_BVH_UNIT / SAGI_BVH_STEP == 1 << 3, "batch.inl shifts by this");
+#define SAGI_BVH_END_OF_NODES (SAGI_BVH_LEAF / SAGI_BVH_NODE_STEPS) // no tree has as many, nor as
+#define SAGI_BVH_END_OF_UNITS SAGI_BVH_LEAF                         // many units
+
+// A child that is the node of this number, or the leaf that begins at this unit; and back.
+static inline uint32_t sagi_bvh_child_node(uint32_t number) { return number * SAGI_BVH_NODE_STEPS; }
+static inline uint32_t sagi_bvh_child_leaf(uint32_t unit) { return SAGI_BVH_LEAF | unit; }
+static inline bool sagi_bvh_is_leaf(uint32_t child) { return (child & SAGI_BVH_LEAF) != 0; }
+static inline uint32_t sagi_bvh_number(uint32_t child) { return child / SAGI_BVH_NODE_STEPS; }
+static inline uint32_t sagi_bvh_unit(uint32_t child) { return child & ~SAGI_BVH_LEAF; }
+static inline sagi_bvh_node *sagi_bvh_node_at(const sagi_bvh *tree, uint32_t child) {
+    return (sagi_bvh_node *)(void *)((char *)tree->nodes + child * SAGI_BVH_STEP);
+}
+// What begins at the leaf.
+static inline unsigned char *sagi_bvh_leaf_at(const sagi_bvh *tree, uint32_t child) {
+    return tree->leaves + sagi_bvh_unit(child) * SAGI_BVH_UNIT;
+}
 
 // What testing a leaf of n primitives costs, a visit of a node being 1: all + n · each.
 typedef struct sagi_leaf_cost {

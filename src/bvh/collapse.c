@@ -98,7 +98,7 @@ static uint32_t take_leaf(writer *w, uint32_t root) {
         memset(to, 0, units * SAGI_BVH_UNIT);
         w->maker->write(w->maker->user, found, count, to);
     }
-    return SAGI_BVH_LEAF | at;
+    return sagi_bvh_child_leaf(at);
 }
 
 // One wide node. Its children's jobs are written to jobs[]; returns how many.
@@ -113,8 +113,8 @@ static int take_node(writer *w, job j, job jobs[SAGI_BVH_WIDTH]) {
         if (sagi_forest_units(from) > 0) {
             node.child[i] = take_leaf(w, f.member[i].root);
         } else {
-            node.child[i] = w->next_node++;
-            jobs[count++] = (job){f.member[i], node.child[i], j.level + 1};
+            node.child[i] = sagi_bvh_child_node(w->next_node);
+            jobs[count++] = (job){f.member[i], w->next_node++, j.level + 1};
         }
     }
     const sagi_float_box none = sagi_float_box_empty();
@@ -187,7 +187,7 @@ static sag_status take_tasks(const sag_context *context, collapse *c, uint32_t e
         if (counted.depth > tree->depth) tree->depth = counted.depth;
     }
     // More than there are numbers for.
-    if (node >= SAGI_BVH_LEAF || unit >= SAGI_BVH_LEAF) return SAG_ERROR_MEMORY;
+    if (node >= SAGI_BVH_END_OF_NODES || unit >= SAGI_BVH_END_OF_UNITS) return SAG_ERROR_MEMORY;
     tree->node_count = tree->node_capacity = (uint32_t)node, tree->unit_count = (uint32_t)unit;
     sag_status status = allocate_tree(context, tree);
     if (status != SAG_OK) return status;

@@ -54,8 +54,7 @@ typedef struct crowd {
     size_t count, begun;
     uint16_t *number;            // which rays, count of them
     bool deep;                   // a flight's stack might not do
-    const char *first[2];        // of nodes and leaves,
-    size_t half[2];              // and half of one's bytes
+    const char *first[2];        // of nodes and leaves
     flight **last[ERRAND_COUNT]; // of those that wait for the same: the next place
     flight *waiting[ERRAND_COUNT][FLIGHTS];
     flight flights[FLIGHTS];
@@ -87,8 +86,9 @@ SAGI_INLINE float bits_float(uint32_t bits) {
 SAGI_INLINE void send(crowd *c, flight *f, uint32_t begin, uint32_t child, bool met) {
     const uint32_t leaf = child >> 31;
     // Its first three cache lines will do: of a node's fourth the processor thinks itself.
-    // (Twice the number, so that the bit which says that it is a leaf is gone.)
-    const char *at = c->first[leaf] + (size_t)(child << 1) * c->half[leaf];
+    // (Twice the number, so that the bit which says that it is a leaf is gone. The shift is that of half
+    // SAGI_BVH_STEP, or of half SAGI_BVH_UNIT.)
+    const char *at = c->first[leaf] + ((size_t)(child << 1) << (2 + 3 * leaf));
     f->begin = begin, f->at = at;
     __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
     const uint32_t e = sagi_if_above(begin, float_bits(f->here.limit), AT_LOOK, leaf);
@@ -128,13 +128,14 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         s->later = c->later, s->known = NULL;
         if (c->doubtful != NULL) s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
         enter(&f->here, c->world, &c->rays[f->ray], s);
+        slabs unused;
         bool over;
         if (__builtin_expect(c->deep, 0)) {
             if (asked == ANY)
                 walk_any(&f->here);
             else
                 walk_closest(&f->here);
-        } else if (come_to_tree(asked, &f->here, &over)) {
+        } else if (come_to_tree(asked, &f->here, &unused, &over)) {
             f->begins[0] = bits_float(NOTHING_BEGINS), f->children[0] = NOTHING, f->height = 1;
             f->at = c->first[0], f->begin = 0;
             queue_up(c, AT_NODE, f);
@@ -157,14 +158,13 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
     for (uint32_t i = 0; i < count; i++) {
         const flight *f = c->waiting[AT_NODE][i];
         const char *at = f->at;
-        const slabs r = slabs_of(&f->here.tree_ray);
-        sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, f->here.limit);
+        const slabs r = slabs_of(&f->here.tree_ray, at);
+        sagi_f8 begin = begins_of(0, &r), end = ends_of(0, &r, f->here.limit);
         SAGI_KERNEL_COUNT(nodes);
         begins[i] = begin;
-        if (asked == ANY)
-            masks[i] = sagi_i8_mask(sagi_f8_at_most(begin, end)); // any child will do as the first
-        else
-            masks[i] = sagi_f8_in_order(begin, end, &lanes[i]);
+        sagi_i8 met, order = sagi_f8_in_order(begin, end, &met);
+        masks[i] = sagi_i8_mask(met);
+        if (asked == CLOSEST) lanes[i] = sagi_i8_least(order); // else any child will do as the first
     }
     // The first is next, or what is on top of the stack; the others go on it.
     for (uint32_t i = 0; i < count; i++) {
@@ -279,8 +279,8 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
     c->deep = c->world->tree.depth > (FLIGHT_STACK - 1) / (SAGI_BVH_WIDTH - 1);
-    c->first[0] = (const char *)c->world->tree.nodes, c->half[0] = sizeof(sagi_bvh_node) / 2;
-    c->first[1] = (const char *)c->world->tree.leaves, c->half[1] = SAGI_BVH_UNIT / 2;
+    c->first[0] = (const char *)c->world->tree.nodes;
+    c->first[1] = (const char *)c->world->tree.leaves;
     for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
     for (uint32_t i = 0; i < FLIGHTS; i++) begin(asked, c, &c->flights[i]);
     for (;;) {

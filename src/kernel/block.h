@@ -81,8 +81,7 @@ static inline size_t sagi_block_bytes(sagi_block_kind kind, uint32_t count) {
 }
 
 static inline const sagi_block *sagi_leaf(const sagi_bvh *tree, uint32_t child) {
-    return (const sagi_block *)(const void *)(tree->leaves +
-                                              (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT);
+    return (const sagi_block *)(const void *)sagi_bvh_leaf_at(tree, child);
 }
 
 // What primitive i of a block is, of any kind.

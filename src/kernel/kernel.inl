@@ -176,41 +176,58 @@ typedef struct stack {
 // step.
 typedef struct slabs {
     sagi_f8 near_scale[3], near_add[3], far_scale[3], far_add[3], from;
-    size_t near_at[3], far_at[3];
+    const char *near_plane[3], *far_plane[3]; // of the node that stands first
 } slabs;
 
-SAGI_INLINE slabs slabs_of(const sagi_float_ray *r) {
+SAGI_INLINE void place_planes(slabs *s, const sagi_plane_order *order, const void *first) {
+    for (int k = 0; k < 3; k++)
+        s->near_plane[k] = (const char *)first + order->near_at[k],
+        s->far_plane[k] = (const char *)first + order->far_at[k];
+}
+SAGI_INLINE slabs slabs_of(const sagi_float_ray *r, const void *first) {
     slabs s;
     sagi_f8_fill3(&r->near_scale, s.near_scale), sagi_f8_fill3(&r->near_add, s.near_add);
     sagi_f8_fill3(&r->far_scale, s.far_scale), sagi_f8_fill3(&r->far_add, s.far_add);
-    for (int k = 0; k < 3; k++) s.near_at[k] = r->planes.near_at[k], s.far_at[k] = r->planes.far_at[k];
+    place_planes(&s, &r->planes, first);
+    s.from = sagi_f8_fill(r->from);
+    return s;
+}
+// Of a ray that is still in registers.
+SAGI_INLINE slabs slabs_now(const sagi_ray_slabs *r, const void *first) {
+    slabs s;
+    sagi_f8_spread3(r->near_scale, s.near_scale), sagi_f8_spread3(r->near_add, s.near_add);
+    sagi_f8_spread3(r->far_scale, s.far_scale), sagi_f8_spread3(r->far_add, s.far_add);
+    place_planes(&s, r->planes, first);
     s.from = sagi_f8_fill(r->from);
     return s;
 }
 
-// Where the ray enters and leaves each child's slab of one coordinate.
-SAGI_INLINE sagi_f8 entry(const char *node, const slabs *r, int k) {
-    return sagi_f8_fma(sagi_f8_load(node + r->near_at[k]), r->near_scale[k], r->near_add[k]);
+// Where the ray enters and leaves each child's slab of one coordinate, of the node so many bytes after the
+// first one.
+SAGI_INLINE sagi_f8 entry(size_t node, const slabs *r, int k) {
+    return sagi_f8_fma(sagi_f8_load(r->near_plane[k] + node), r->near_scale[k], r->near_add[k]);
 }
-SAGI_INLINE sagi_f8 way_out(const char *node, const slabs *r, int k) {
-    return sagi_f8_fma(sagi_f8_load(node + r->far_at[k]), r->far_scale[k], r->far_add[k]);
+SAGI_INLINE sagi_f8 way_out(size_t node, const slabs *r, int k) {
+    return sagi_f8_fma(sagi_f8_load(r->far_plane[k] + node), r->far_scale[k], r->far_add[k]);
 }
 
 // Where it comes to each child, and where it leaves it or passes `limit`.
-SAGI_INLINE sagi_f8 begins_of(const char *node, const slabs *r) {
+SAGI_INLINE sagi_f8 begins_of(size_t node, const slabs *r) {
     return sagi_f8_max(sagi_f8_max(entry(node, r, 0), entry(node, r, 1)),
                        sagi_f8_max(entry(node, r, 2), r->from));
 }
-SAGI_INLINE sagi_f8 ends_of(const char *node, const slabs *r, float limit) {
+SAGI_INLINE sagi_f8 ends_of(size_t node, const slabs *r, float limit) {
     return sagi_f8_min(sagi_f8_min(way_out(node, r, 0), way_out(node, r, 1)),
                        sagi_f8_min(way_out(node, r, 2), sagi_f8_fill(limit)));
 }
 
 // One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
 // handed back; the others go on the stack. False when there is none.
-SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const slabs *r, float limit, stack *waits,
+SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const slabs *r, float limit, stack *waits,
                       waiting *next) {
-    sagi_f8 begin = begins_of((const char *)node, r), end = ends_of((const char *)node, r, limit);
+    const size_t at = next->child * SAGI_BVH_STEP;
+    const sagi_bvh_node *node = sagi_bvh_node_at(tree, next->child);
+    sagi_f8 begin = begins_of(at, r), end = ends_of(at, r, limit);
     SAGI_KERNEL_COUNT(nodes);
     // The lane's number takes the place of the last three bits of where it begins, which only moves the
     // beginning forward.
@@ -218,26 +235,28 @@ SAGI_INLINE bool step(question asked, const sagi_bvh_node *node, const slabs *r,
         uint32_t bits;
         float value;
     } least;
-    uint32_t mask = sagi_f8_in_order(begin, end, &least.bits), lane;
+    const sagi_i8 child = sagi_i8_load(node->child);
+    sagi_i8 met, order = sagi_f8_in_order(begin, end, &met);
+    uint32_t mask = sagi_i8_mask(met), lane, nearest;
+    least.bits = sagi_i8_least_from(order, child, &nearest);
     if (mask == 0) return false;
     if (asked == CLOSEST) {
         lane = least.bits & 7;
         least.bits &= ~7U;
-        next->begin = least.value;
+        next->begin = least.value, next->child = nearest;
     } else {
         lane = (uint32_t)__builtin_ctz(mask);
-        next->begin = begin[lane];
+        next->begin = begin[lane], next->child = node->child[lane];
     }
-    next->child = node->child[lane];
     mask &= ~(1U << lane);
-    sagi_write_lanes(mask, begin, waits->begin + waits->height, sagi_i8_load(node->child),
-                     waits->child + waits->height);
+    sagi_write_lanes(mask, begin, waits->begin + waits->height, child, waits->child + waits->height);
     waits->height += (size_t)__builtin_popcount(mask);
     return true;
 }
 
-// What comes before the tree. False when the ray has no business there; *over when the search is over.
-SAGI_INLINE bool come_to_tree(question asked, level *here, bool *over) {
+// What comes before the tree. False when the ray has no business there; *over when the search is over. The
+// usual ray's slabs need not wait until it has been written down.
+SAGI_INLINE bool come_to_tree(question asked, level *here, slabs *r, bool *over) {
     // (Known before anything is called: fetched from *here later on, all would wait for it.)
     const sagi_world *world = here->world;
     const sag_ray *ray = here->ray;
@@ -246,8 +265,13 @@ SAGI_INLINE bool come_to_tree(question asked, level *here, bool *over) {
         if (!sag_ray_is_valid(ray)) return false;
         if (list(asked, here, world->unbounded, world->unbounded_count)) return !(*over = true);
     }
-    if (world->tree.node_count == 0 || !sagi_float_ray_make(world, ray, asked == ANY, &here->tree_ray))
-        return false;
+    if (world->tree.node_count == 0) return false;
+    sagi_ray_slabs now;
+    switch (sagi_float_ray_begin(world, ray, asked == ANY, &here->tree_ray, &now)) {
+    case RAY_MISSES: return false;
+    case RAY_WRITTEN: *r = slabs_of(&here->tree_ray, world->tree.nodes); break;
+    case RAY_NOW: *r = slabs_now(&now, world->tree.nodes); break;
+    }
     here->in_tree = true;
     here->limit = here->tree_ray.limit;
     if (world->unbounded_count != 0 && here->t_max < ray->t_max) lower_t_max(here, here->t_max);
@@ -295,26 +319,20 @@ static __attribute__((noinline)) bool leaf_apart(question asked, level *here, co
 SAGI_INLINE bool walk(question asked, level *here) {
     bool over;
     const sagi_bvh *tree = &here->world->tree;
-    if (!come_to_tree(asked, here, &over)) return over;
-    // (Multiplied in one go, not in three steps.)
-    const size_t node_bytes = sagi_opaque(sizeof(sagi_bvh_node));
-    const unsigned char *nodes = (const unsigned char *)tree->nodes;
+    slabs r;
+    if (!come_to_tree(asked, here, &r, &over)) return over;
     float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     stack waits = {begin, child, 0};
     waiting next = {0, 0}; // the root
     block_answer answer;
-    slabs r = slabs_of(&here->tree_ray);
     for (;;) {
         const float limit = here->limit;
-        while ((next.child & SAGI_BVH_LEAF) == 0)
-            if (!step(asked, (const sagi_bvh_node *)(const void *)(nodes + next.child * node_bytes), &r,
-                      limit, &waits, &next) &&
-                !pop(asked, limit, &waits, &next))
-                goto end;
+        while (!sagi_bvh_is_leaf(next.child))
+            if (!step(asked, tree, &r, limit, &waits, &next) && !pop(asked, limit, &waits, &next)) goto end;
         if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin, &answer)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
-        r = slabs_of(&here->tree_ray); // anew, so that it need not be kept meanwhile
+        r = slabs_of(&here->tree_ray, tree->nodes); // anew, so that it need not be kept meanwhile
     }
 end:
     if (asked == CLOSEST && here->candidate_count > 0) settle_last(here);

@@ -224,14 +224,14 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     stack waits = {begin, child, 0};
     waiting next = {0, 0};
     float limit = packet_limit(p);
-    const slabs r = slabs_of(walker);
+    const slabs r = slabs_of(walker, tree->nodes);
     for (;;) {
-        if ((next.child & SAGI_BVH_LEAF) == 0) {
+        if (!sagi_bvh_is_leaf(next.child)) {
             SAGI_KERNEL_COUNT(packet_nodes);
             if (++p->work > PACKET_WORK) {
                 give_up_from(p, next.begin);
                 limit = packet_limit(p);
-            } else if (step(CLOSEST, &tree->nodes[next.child], &r, limit, &waits, &next)) {
+            } else if (step(CLOSEST, tree, &r, limit, &waits, &next)) {
                 continue;
             }
         } else {

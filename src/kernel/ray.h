@@ -225,26 +225,39 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
     return true;
 }
 
+// What a walk needs of the ray first of all, before it is written down.
+typedef struct sagi_ray_slabs {
+    sagi_f4 near_scale, near_add, far_scale, far_add;
+    const sagi_plane_order *planes;
+    float from;
+} sagi_ray_slabs;
+
 // What the quick way does, for directions of which 2^(exponent − 1) ≤ max|dᵢ| < 2^exponent. (The reciprocals
 // are those of d itself, so that they need not wait for its exponent; powers of two change no bit.)
-SAGI_INLINE void take_quick_way(const sagi_world *world, const sag_ray *ray, sagi_d4 q, sagi_d4 d, sagi_f4 p,
-                                sagi_f4 raw, int exponent, double spread, sagi_float_ray *out) {
+SAGI_INLINE sagi_ray_slabs take_quick_way(const sagi_world *world, const sag_ray *ray, sagi_d4 q, sagi_d4 d,
+                                          sagi_f4 p, sagi_f4 raw, int exponent, double spread,
+                                          sagi_float_ray *out) {
     const double unit = power_of_two(exponent) * world->scale, down = power_of_two(-exponent);
     const float up = (float)power_of_two(exponent);
     const sagi_f4 inverse = 1 / raw;
     sagi_w4 sign = (sagi_w4)raw & INT32_MIN;
     sagi_f4 wide = (sagi_f4)((sagi_w4)p & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
     wide = (sagi_f4)((sagi_w4)wide | sign);
-    out->near_scale = inverse * (up * (1 - 0x1p-21F)), out->far_scale = inverse * (up * (1 + 0x1p-21F));
-    out->near_add = -(p + wide) * out->near_scale, out->far_add = (wide - p) * out->far_scale;
-    out->planes = sagi_planes[sagi_d4_signs(d) & 7];
+    sagi_ray_slabs now;
+    now.near_scale = inverse * (up * (1 - 0x1p-21F)), now.far_scale = inverse * (up * (1 + 0x1p-21F));
+    now.near_add = -(p + wide) * now.near_scale, now.far_add = (wide - p) * now.far_scale;
+    now.planes = &sagi_planes[sagi_d4_signs(d) & 7];
+    out->near_scale = now.near_scale, out->near_add = now.near_add;
+    out->far_scale = now.far_scale, out->far_add = now.far_add;
+    out->planes = *now.planes;
     out->p = q, out->d = d * sagi_d4_fill(down), out->direction = raw * (float)down;
     double first = ray->t_min * unit, last = ray->t_max * unit;
     out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
     const float from = (float)(first * (1 - 0x1p-22));
-    out->t_min = first, out->from = from > 0 ? from : 0;
+    out->t_min = first, out->from = now.from = from > 0 ? from : 0;
     out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
     out->error = 0x1p-43 + spread;
+    return now;
 }
 
 // How far transforms may have moved things, in tree's units.
@@ -254,8 +267,13 @@ SAGI_INLINE double spread_of(const sagi_world *world, sagi_d4 o) {
            world->scale * 0x1p-50;
 }
 
+// How a ray is there: not at all, as it certainly misses everything in the tree or is not valid; written
+// down; or also still in registers.
+typedef enum ray_state { RAY_MISSES, RAY_WRITTEN, RAY_NOW } ray_state;
+
 // Directions of any length: the quick way where it is allowed, else the careful one.
-SAGI_INLINE bool make_any_length(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+SAGI_INLINE ray_state make_any_length(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out,
+                                      sagi_ray_slabs *now) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
     sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
@@ -263,29 +281,29 @@ SAGI_INLINE bool make_any_length(const sagi_world *world, const sag_ray *ray, sa
     sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
     if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min <= ray->t_max &&
           (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
-        return make_carefully(world, ray, out);
+        return make_carefully(world, ray, out) ? RAY_WRITTEN : RAY_MISSES;
     union {
         double value;
         uint64_t bits;
     } u = {.value = largest};
     int exponent = (int)(u.bits >> 52) - 1022;
     if (!(ray->t_min * power_of_two(exponent) * world->scale >= -0x1p-44 && ray->t_max >= 0))
-        return make_carefully(world, ray, out);
-    take_quick_way(world, ray, q, d, sagi_d4_to_f4(q), sagi_d4_to_f4(d), exponent, spread, out);
-    return true;
+        return make_carefully(world, ray, out) ? RAY_WRITTEN : RAY_MISSES;
+    *now = take_quick_way(world, ray, q, d, sagi_d4_to_f4(q), sagi_d4_to_f4(d), exponent, spread, out);
+    return RAY_NOW;
 }
 static __attribute__((noinline)) bool make_unusual(const sagi_world *world, const sag_ray *ray,
                                                    sagi_float_ray *out) {
-    return make_any_length(world, ray, out);
+    sagi_ray_slabs unused;
+    return make_any_length(world, ray, out, &unused) != RAY_MISSES;
 }
 
-// Fills *out; false when the ray certainly misses everything in the tree or is not valid. Mostly max|dᵢ| is
-// in [½, 1) as it comes, unless the ray is one between two points (`shadow`), and no |dᵢ| is below 2⁻³⁹; then
-// there is little to do, and nothing of it in a row. (Rounded to floats, numbers are still ≥ 2⁻³⁹; what
-// rounds to something below 1 is below 1, and what rounds to more than ½ is at least ½.)
-SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, bool shadow,
-                                     sagi_float_ray *out) {
-    if (shadow) return make_any_length(world, ray, out);
+// Fills *out. Mostly max|dᵢ| is in [½, 1) as it comes, unless the ray is one between two points (`shadow`),
+// and no |dᵢ| is below 2⁻³⁹; then there is little to do, and nothing of it in a row. (Rounded to floats,
+// numbers are still ≥ 2⁻³⁹; what rounds to something below 1 is below 1, and what rounds to more than ½ is at
+// least ½.)
+SAGI_INLINE ray_state sagi_float_ray_begin(const sagi_world *world, const sag_ray *ray, bool shadow,
+                                           sagi_float_ray *out, sagi_ray_slabs *now) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction));
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
     sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
@@ -299,9 +317,18 @@ SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray
     const double spread = spread_of(world, o);
     const bool usual = (fit & 0x77) == 0x77 && (long_enough & 7) != 0 && ray->t_min >= 0 &&
                        ray->t_min <= ray->t_max && spread < 1;
-    if (__builtin_expect(!usual, 0)) return make_unusual(world, ray, out);
-    take_quick_way(world, ray, q, d, p, raw, 0, spread, out);
-    return true;
+    if (usual) {
+        *now = take_quick_way(world, ray, q, d, p, raw, 0, spread, out);
+        return RAY_NOW;
+    }
+    if (shadow) return make_any_length(world, ray, out, now);
+    return make_unusual(world, ray, out) ? RAY_WRITTEN : RAY_MISSES;
+}
+
+// The same; false when it is not there.
+SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
+    sagi_ray_slabs unused;
+    return sagi_float_ray_begin(world, ray, false, out, &unused) != RAY_MISSES;
 }
 
 #endif

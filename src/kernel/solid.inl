@@ -244,8 +244,7 @@ static inline void place_line(solid_walk *w) {
 // False when the ray has no business in the solid.
 SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     const sagi_world *world = here->world;
-    here->in_tree =
-        world->tree.node_count != 0 && sagi_float_ray_make(world, here->ray, false, &here->tree_ray);
+    here->in_tree = world->tree.node_count != 0 && sagi_float_ray_make(world, here->ray, &here->tree_ray);
     if (!here->in_tree && (world->unbounded_count == 0 || !sag_ray_is_valid(here->ray))) return false;
     if (here->in_tree) {
         here->limit = here->tree_ray.limit;
@@ -253,7 +252,7 @@ SAGI_INLINE bool begin_solid(solid_walk *w, bool rough, level *here) {
     }
     w->few = rough && here->in_tree && world->tree.node_count <= SOLID_FEW ? world->tree.node_count : 0;
     if (w->few > 0 && !look_at_all(w, here) && world->unbounded_count == 0) return false;
-    if (w->few == 0 && here->in_tree) w->slabs = slabs_of(&here->tree_ray);
+    if (w->few == 0 && here->in_tree) w->slabs = slabs_of(&here->tree_ray, here->world->tree.nodes);
     w->rough = rough;
     w->here = here, w->solid = world->solid;
     w->nodes = sagi_solid_nodes(w->solid), w->parts = sagi_solid_parts(w->solid);

@@ -33,11 +33,11 @@ static inline float begin_of(uint64_t key) {
 }
 
 // The children of a node that the ray meets; returns how many and writes where they begin.
-SAGI_INLINE uint32_t met_children(const solid_walk *w, uint32_t number, float begin[SAGI_BVH_WIDTH],
+SAGI_INLINE uint32_t met_children(const solid_walk *w, uint32_t at, float begin[SAGI_BVH_WIDTH],
                                   uint32_t child[SAGI_BVH_WIDTH]) {
-    const sagi_bvh_node *node = &w->here->world->tree.nodes[number];
-    const char *at = (const char *)node;
-    sagi_f8 from = begins_of(at, &w->slabs), end = ends_of(at, &w->slabs, w->here->limit);
+    const sagi_bvh_node *node = sagi_bvh_node_at(&w->here->world->tree, at);
+    const size_t bytes = at * SAGI_BVH_STEP;
+    sagi_f8 from = begins_of(bytes, &w->slabs), end = ends_of(bytes, &w->slabs, w->here->limit);
     uint32_t count = 0;
     for (uint32_t mask = sagi_i8_mask(sagi_f8_at_most(from, end)); mask != 0; mask &= mask - 1, count++) {
         uint32_t lane = (uint32_t)__builtin_ctz(mask);
@@ -73,7 +73,7 @@ static __attribute__((noinline, cold)) void every_leaf(solid_walk *w,
         uint32_t child[SAGI_BVH_WIDTH];
         uint32_t count = met_children(w, nodes[--height], begin, child);
         for (uint32_t i = 0; i < count; i++)
-            if ((child[i] & SAGI_BVH_LEAF) == 0)
+            if (!sagi_bvh_is_leaf(child[i]))
                 nodes[height++] = child[i];
             else
                 visit(w, waiting_key(begin[i], child[i]));
@@ -106,11 +106,11 @@ SAGI_INLINE float nearest_of_few(const solid_walk *w) {
 // False when the ray meets none.
 SAGI_INLINE bool look_at_all(solid_walk *w, const level *here) {
     const sagi_bvh *tree = &here->world->tree;
-    const slabs r = slabs_of(&here->tree_ray);
+    const slabs r = slabs_of(&here->tree_ray, tree->nodes);
     const sagi_f8 never = sagi_f8_fill(INFINITY);
     uint32_t any = 0;
     for (uint32_t n = 0; n < w->few; n++) {
-        const char *at = (const char *)&tree->nodes[n];
+        const size_t at = n * sizeof(sagi_bvh_node);
         sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, here->limit);
         sagi_i8 met = sagi_f8_at_most(begin, end) & (sagi_i8_load(tree->nodes[n].child) < 0);
         any |= sagi_i8_mask(met);
@@ -155,7 +155,7 @@ static inline bool open_next(solid_walk *w, double until) {
         uint64_t key = w->waiting[w->waiting_count - 1];
         if (!(begin_of(key) <= limit)) return false;
         w->waiting_count--;
-        if (((uint32_t)key & SAGI_BVH_LEAF) != 0) {
+        if (sagi_bvh_is_leaf((uint32_t)key)) {
             w->opened = key;
             open_leaf(w, (uint32_t)key, open_part);
             return true;

@@ -155,11 +155,24 @@ SAGI_INLINE void sagi_f8_fill3(const sagi_f4 *a, sagi_f8 out[3]) {
     out[0] = (sagi_f8)_mm256_permute_ps(twice, 0x00), out[1] = (sagi_f8)_mm256_permute_ps(twice, 0x55);
     out[2] = (sagi_f8)_mm256_permute_ps(twice, 0xaa);
 }
+SAGI_INLINE void sagi_f8_spread3(sagi_f4 a, sagi_f8 out[3]) { // from a register
+    __m256 twice = _mm256_set_m128((__m128)a, (__m128)a);
+    out[0] = (sagi_f8)_mm256_permute_ps(twice, 0x00), out[1] = (sagi_f8)_mm256_permute_ps(twice, 0x55);
+    out[2] = (sagi_f8)_mm256_permute_ps(twice, 0xaa);
+}
 // The least of eight whole numbers without a sign.
-SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) {
+SAGI_INLINE __m128i sagi_i8_least_lane(sagi_i8 a) {
     __m128i m = _mm_min_epu32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
     m = _mm_min_epu32(m, _mm_shuffle_epi32(m, 0x4e));
-    m = _mm_min_epu32(m, _mm_shuffle_epi32(m, 0xb1));
+    return _mm_min_epu32(m, _mm_shuffle_epi32(m, 0xb1));
+}
+SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) { return (uint32_t)_mm_cvtsi128_si32(sagi_i8_least_lane(a)); }
+// The same, and the number in that lane of `from` which the last three bits of it say. (From a register: by
+// way of memory it comes two cycles later.)
+SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, sagi_i8 from, uint32_t *chosen) {
+    __m128i m = sagi_i8_least_lane(a);
+    __m256i all = _mm256_permutevar8x32_epi32((__m256i)from, _mm256_castsi128_si256(m));
+    *chosen = (uint32_t)_mm_cvtsi128_si32(_mm256_castsi256_si128(all));
     return (uint32_t)_mm_cvtsi128_si32(m);
 }
 
@@ -175,6 +188,9 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // 
 }
 SAGI_INLINE sagi_d4 sagi_d4_sqrt(sagi_d4 a) {
     return (sagi_d4){__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]), __builtin_sqrt(a[3])};
+}
+SAGI_INLINE void sagi_f8_spread3(sagi_f4 a, sagi_f8 out[3]) {
+    for (int k = 0; k < 3; k++) out[k] = sagi_f8_fill(a[k]);
 }
 SAGI_INLINE void sagi_f8_fill3(const sagi_f4 *a, sagi_f8 out[3]) {
     for (int i = 0; i < 3; i++) out[i] = sagi_f8_fill((*a)[i]);
@@ -241,14 +257,21 @@ SAGI_INLINE void sagi_f4_turn8(const sagi_f4 a[8], sagi_f8 *x, sagi_f8 *y, sagi_
     *z = (sagi_f8){a[0][2], a[1][2], a[2][2], a[3][2], a[4][2], a[5][2], a[6][2], a[7][2]};
 }
 
-// The lanes where a ≤ b. Of these, *least is the least a, which is not negative, with the lane's number in
-// place of its last three bits; where there is none, more than all others.
-SAGI_INLINE uint32_t sagi_f8_in_order(sagi_f8 a, sagi_f8 b, uint32_t *least) {
+#ifndef SAGI_SIMD_AVX2
+SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, sagi_i8 from, uint32_t *chosen) {
+    const uint32_t least = sagi_i8_least(a);
+    *chosen = (uint32_t)from[least & 7];
+    return least;
+}
+#endif
+
+// What puts the lanes where a ≤ b in the order of a, which is not negative there: a, as a whole number
+// without a sign, with the lane's number in place of its last three bits; in other lanes more than that of
+// any. *met: all bits set where a ≤ b, else none.
+SAGI_INLINE sagi_i8 sagi_f8_in_order(sagi_f8 a, sagi_f8 b, sagi_i8 *met) {
     const sagi_i8 number = {0, 1, 2, 3, 4, 5, 6, 7};
-    sagi_i8 met = sagi_f8_at_most(a, b);
-    *least =
-        sagi_i8_least((sagi_f8_bits(a) & ~7) | number | ~met); // (none is negative: in order as they are)
-    return sagi_i8_mask(met);
+    *met = sagi_f8_at_most(a, b);
+    return (sagi_f8_bits(a) & ~7) | number | ~*met;
 }
 
 // Writes the lanes in the mask of two vectors, in order, one after the other to p and q, each of which must

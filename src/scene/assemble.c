@@ -34,7 +34,7 @@ static void top_write(const void *user, const sagi_bvh_primitive *primitives, ui
 
 static top_leaf read_leaf(const sagi_bvh *top, uint32_t child) {
     top_leaf leaf;
-    memcpy(&leaf, top->leaves + (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT, sizeof leaf);
+    memcpy(&leaf, sagi_bvh_leaf_at(top, child), sizeof leaf);
     return leaf;
 }
 
@@ -66,7 +66,7 @@ static uint32_t count_top(const sagi_bvh *top) {
     uint32_t count = top->node_count;
     for (uint32_t n = 0; n < top->node_count; n++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++)
-            if (is_there(&top->nodes[n], i) && (top->nodes[n].child[i] & SAGI_BVH_LEAF) != 0)
+            if (is_there(&top->nodes[n], i) && sagi_bvh_is_leaf(top->nodes[n].child[i]))
                 count += read_leaf(top, top->nodes[n].child[i]).count > 1;
     return count;
 }
@@ -79,7 +79,7 @@ static sagi_bvh_node node_over(const sagi_snapshot *s, const top_leaf *leaf) {
             node.plane[k][i] = g != NULL ? g->tree.box.lo[k] : INFINITY;
             node.plane[3 + k][i] = g != NULL ? g->tree.box.hi[k] : -INFINITY;
         }
-        if (g != NULL) node.child[i] = g->node_first;
+        if (g != NULL) node.child[i] = sagi_bvh_child_node(g->node_first);
     }
     return node;
 }
@@ -90,9 +90,10 @@ static void write_top(sagi_snapshot *s, const sagi_bvh *top) {
     for (uint32_t n = 0; n < top->node_count; n++) {
         nodes[n] = top->nodes[n];
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
-            if (!is_there(&nodes[n], i) || (nodes[n].child[i] & SAGI_BVH_LEAF) == 0) continue;
+            if (!is_there(&nodes[n], i) || !sagi_bvh_is_leaf(nodes[n].child[i])) continue;
             top_leaf leaf = read_leaf(top, nodes[n].child[i]);
-            nodes[n].child[i] = leaf.count > 1 ? extra : s->groups[leaf.group[0]].node_first;
+            nodes[n].child[i] =
+                sagi_bvh_child_node(leaf.count > 1 ? extra : s->groups[leaf.group[0]].node_first);
             if (leaf.count > 1) nodes[extra++] = node_over(s, &leaf);
         }
     }
@@ -102,7 +103,7 @@ static void write_top(sagi_snapshot *s, const sagi_bvh *top) {
 typedef struct copier {
     const sagi_bvh_node *from;
     sagi_bvh_node *to;
-    uint32_t count, by, units_by; // what is added to the numbers of nodes and units
+    uint32_t count, nodes_by, leaves_by; // what is added to children that are nodes and leaves
 } copier;
 
 static void copy_nodes(void *argument, size_t index) {
@@ -113,7 +114,7 @@ static void copy_nodes(void *argument, size_t index) {
         *node = c->from[n];
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             if (!is_there(node, i)) continue;
-            node->child[i] += (node->child[i] & SAGI_BVH_LEAF) != 0 ? c->units_by : c->by;
+            node->child[i] += sagi_bvh_is_leaf(node->child[i]) ? c->leaves_by : c->nodes_by;
         }
     }
 }
@@ -124,8 +125,8 @@ static void copy_group(sagi_snapshot *s, sagi_group *g, const sagi_bvh *from, ui
     copier c = {.from = from->nodes + node_first,
                 .to = s->world.tree.nodes + g->node_first,
                 .count = g->tree.node_count,
-                .by = g->node_first - node_first,
-                .units_by = g->unit_first - unit_first};
+                .nodes_by = (g->node_first - node_first) * SAGI_BVH_NODE_STEPS,
+                .leaves_by = g->unit_first - unit_first};
     sag_parallel_for(s->context, (c.count + NODES_AT_A_TIME - 1) / NODES_AT_A_TIME, copy_nodes, &c);
     memcpy(s->world.tree.leaves + g->unit_first * SAGI_BVH_UNIT, from->leaves + unit_first * SAGI_BVH_UNIT,
            g->tree.unit_count * SAGI_BVH_UNIT);
@@ -152,7 +153,7 @@ static bool place_groups(sagi_snapshot *s, uint64_t *nodes, uint64_t *units) {
         sagi_group *g = &s->groups[i];
         g->node_first = (uint32_t)*nodes, g->unit_first = (uint32_t)*units;
         *nodes += g->tree.node_count, *units += g->tree.unit_count;
-        if (*nodes >= SAGI_BVH_LEAF || *units >= SAGI_BVH_LEAF) return false;
+        if (*nodes >= SAGI_BVH_END_OF_NODES || *units >= SAGI_BVH_END_OF_UNITS) return false;
     }
     return true;
 }

@@ -68,7 +68,7 @@ static bool is_spheres(const sagi_snapshot *s, const sagi_block *head) {
 }
 
 static bool is_leaf(const sagi_snapshot *s, uint32_t child) {
-    uint32_t first = child & ~SAGI_BVH_LEAF, units = s->world.tree.unit_count;
+    uint32_t first = sagi_bvh_unit(child), units = s->world.tree.unit_count;
     if (first >= units) return false;
     const sagi_block *block = sagi_leaf(&s->world.tree, child);
     if (s->solid != NULL && block->kind != SAGI_BLOCK_REFERENCES) return false;
@@ -85,6 +85,11 @@ static bool is_leaf(const sagi_snapshot *s, uint32_t child) {
     return true;
 }
 
+static bool is_node(const sagi_bvh *tree, uint32_t child) {
+    const uint32_t number = sagi_bvh_number(child);
+    return number < tree->node_count && sagi_bvh_child_node(number) == child;
+}
+
 static void check_nodes(void *argument, size_t index) {
     checker *c = argument;
     const sagi_bvh *tree = &c->snapshot->world.tree;
@@ -97,9 +102,8 @@ static void check_nodes(void *argument, size_t index) {
             uint32_t child = node->child[i];
             if (is_no_box(lo, hi) ? child != 0 : !is_box(lo, hi)) atomic_store(&c->bad_node, true);
             if (is_no_box(lo, hi)) continue;
-            if ((child & SAGI_BVH_LEAF) != 0 && !is_leaf(c->snapshot, child))
-                atomic_store(&c->bad_leaf, true);
-            if ((child & SAGI_BVH_LEAF) == 0 && child >= tree->node_count) atomic_store(&c->bad_node, true);
+            if (sagi_bvh_is_leaf(child) && !is_leaf(c->snapshot, child)) atomic_store(&c->bad_leaf, true);
+            if (!sagi_bvh_is_leaf(child) && !is_node(tree, child)) atomic_store(&c->bad_node, true);
         }
 }
 
@@ -128,15 +132,16 @@ static const char *check_walk(const sagi_bvh *tree, range r) {
         if (level > depth) depth = level;
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             if (!is_there(node, i)) continue;
-            uint32_t child = node->child[i], at = child & ~SAGI_BVH_LEAF;
-            bool leaf = (child & SAGI_BVH_LEAF) != 0;
+            uint32_t child = node->child[i];
+            bool leaf = sagi_bvh_is_leaf(child);
+            uint32_t at = leaf ? sagi_bvh_unit(child) : sagi_bvh_number(child);
             if (leaf ? at < r.unit_first || at - r.unit_first >= r.unit_count
                      : at < r.first || at - r.first >= r.count)
                 return "a tree that leads out of its group";
             if (leaf)
                 leaves++;
             else
-                stack[height].node = child, stack[height++].level = level + 1;
+                stack[height].node = at, stack[height++].level = level + 1;
         }
     }
     return visited == r.count && leaves == r.leaf_count && depth == r.depth
@@ -186,9 +191,9 @@ static bool has_only_own_leaves(const sagi_snapshot *s, const sagi_group *g) {
     for (uint32_t n = g->node_first; n < g->node_first + g->tree.node_count; n++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             const sagi_bvh_node *node = &s->world.tree.nodes[n];
-            if (!is_there(node, i) || (node->child[i] & SAGI_BVH_LEAF) == 0) continue;
+            if (!is_there(node, i) || !sagi_bvh_is_leaf(node->child[i])) continue;
             const sagi_block *block = sagi_leaf(&s->world.tree, node->child[i]);
-            size_t end = (size_t)(node->child[i] & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT +
+            size_t end = sagi_bvh_unit(node->child[i]) * SAGI_BVH_UNIT +
                          sagi_block_bytes((sagi_block_kind)block->kind, block->count);
             if (end > ((size_t)g->unit_first + g->tree.unit_count) * SAGI_BVH_UNIT) return false;
             if (!is_block_of_members(s, g, block)) return false;
@@ -238,7 +243,7 @@ static sag_status check_parts(const sagi_snapshot *s, const char **flaw) {
     for (uint32_t n = 0; n < s->world.tree.node_count; n++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             const sagi_bvh_node *node = &s->world.tree.nodes[n];
-            if (!is_there(node, i) || (node->child[i] & SAGI_BVH_LEAF) == 0) continue;
+            if (!is_there(node, i) || !sagi_bvh_is_leaf(node->child[i])) continue;
             const sagi_block *block = sagi_leaf(&s->world.tree, node->child[i]);
             for (uint32_t k = 0; k < block->count; k++)
                 once &= put(set, sagi_block_reference(block, k).geometry);

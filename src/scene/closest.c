@@ -178,7 +178,7 @@ static void walk(const level *here, search *s) {
     while (height > 0) {
         waiting next = stack[--height];
         if (next.distance > s->bound) continue;
-        if (next.child & SAGI_BVH_LEAF) {
+        if (sagi_bvh_is_leaf(next.child)) {
             const sagi_block *leaf = sagi_leaf(&w->tree, next.child);
             for (uint32_t i = 0; i < leaf->count; i++) {
                 sagi_bvh_reference r = sagi_block_reference(leaf, i);
@@ -186,7 +186,7 @@ static void walk(const level *here, search *s) {
             }
             continue;
         }
-        const sagi_bvh_node *node = &w->tree.nodes[next.child];
+        const sagi_bvh_node *node = sagi_bvh_node_at(&w->tree, next.child);
         for (int i = 0, base = height; i < SAGI_BVH_WIDTH; i++) {
             if (!(node->plane[0][i] <= node->plane[3][i])) continue; // not there
             double distance = least_distance(&b, node, i);

@@ -52,7 +52,7 @@ static bool refit_leaf(const refitter *r, uint32_t child, sagi_float_box *all) {
     size_t bytes = sagi_leaf_units(s, geometry, count) * SAGI_BVH_UNIT;
     size_t there = sagi_block_bytes((sagi_block_kind)block->kind, count);
     if (bytes != (there + SAGI_BVH_UNIT - 1) / SAGI_BVH_UNIT * SAGI_BVH_UNIT) return false;
-    unsigned char *at = s->world.tree.leaves + (size_t)(child & ~SAGI_BVH_LEAF) * SAGI_BVH_UNIT;
+    unsigned char *at = sagi_bvh_leaf_at(&s->world.tree, child);
     memset(at, 0, bytes);
     sagi_leaf_write(s, primitives, count, at);
     return true;
@@ -64,7 +64,7 @@ static void refit_leaves(void *argument, size_t index) {
     for (uint64_t n = first; n < end && n < r->group->tree.node_count; n++) {
         sagi_bvh_node *node = &r->snapshot->world.tree.nodes[r->group->node_first + n];
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
-            if (!is_there(node, i) || (node->child[i] & SAGI_BVH_LEAF) == 0) continue;
+            if (!is_there(node, i) || !sagi_bvh_is_leaf(node->child[i])) continue;
             sagi_float_box box;
             if (!refit_leaf(r, node->child[i], &box)) {
                 atomic_store(&r->unlike, true);
@@ -77,13 +77,13 @@ static void refit_leaves(void *argument, size_t index) {
 
 // The box of a node whose leaves are renewed, at most SAGI_BVH_MAX_DEPTH levels deep. Adds the areas that
 // rays meet, each times its cost.
-static sagi_float_box refit_node(sagi_snapshot *s, uint32_t number, sagi_leaf_cost price, double *cost) {
-    sagi_bvh_node *node = &s->world.tree.nodes[number];
+static sagi_float_box refit_node(sagi_snapshot *s, uint32_t at, sagi_leaf_cost price, double *cost) {
+    sagi_bvh_node *node = sagi_bvh_node_at(&s->world.tree, at);
     sagi_float_box all = sagi_float_box_empty();
     for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
         if (!is_there(node, i)) continue;
         sagi_float_box box = child_box(node, i);
-        if ((node->child[i] & SAGI_BVH_LEAF) != 0) {
+        if (sagi_bvh_is_leaf(node->child[i])) {
             double count = sagi_leaf(&s->world.tree, node->child[i])->count;
             *cost +=
                 (double)sagi_float_box_half_area(&box) * ((double)price.all + count * (double)price.each);
@@ -105,7 +105,7 @@ bool sagi_refit(sagi_snapshot *s, sagi_group *g) {
     sag_parallel_for(s->context, (g->tree.node_count + NODES_AT_A_TIME - 1) / NODES_AT_A_TIME, refit_leaves,
                      &r);
     if (atomic_load(&r.unlike)) return false;
-    sagi_float_box all = refit_node(s, g->node_first, sagi_leaf_price(s, id), &cost);
+    sagi_float_box all = refit_node(s, sagi_bvh_child_node(g->node_first), sagi_leaf_price(s, id), &cost);
     double area = (double)sagi_float_box_half_area(&all);
     if (area > 0) g->tree.sah = (float)(cost / area);
     return true;

@@ -43,7 +43,7 @@ static uint64_t check_leaves(const sag_scene *scene) {
     for (uint32_t n = 0; n < w->tree.node_count; n++) {
         const sagi_bvh_node *node = &w->tree.nodes[n];
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
-            if (!(node->plane[0][i] <= node->plane[3][i]) || !(node->child[i] & SAGI_BVH_LEAF)) continue;
+            if (!(node->plane[0][i] <= node->plane[3][i]) || !sagi_bvh_is_leaf(node->child[i])) continue;
             const sagi_block *leaf = sagi_leaf(&w->tree, node->child[i]);
             if (leaf->kind != SAGI_BLOCK_TRIANGLES) continue;
             const sagi_triangle_block *block = (const void *)leaf;

@@ -48,8 +48,9 @@ static void any_child(void **state) {
             sagi_bvh_node *n = (void *)(copy.bytes + nodes.at);
             uint32_t *child =
                 &n[rng_below(&r, (uint32_t)(nodes.bytes / sizeof *n))].child[rng_below(&r, SAGI_BVH_WIDTH)];
-            uint32_t leaf = rng_one_in(&r, 2) ? SAGI_BVH_LEAF : 0;
-            *child = rng_one_in(&r, 2) ? hostile_word(&r, *child) : leaf | rng_below(&r, 40);
+            uint32_t number = rng_below(&r, 40);
+            uint32_t other = rng_one_in(&r, 2) ? sagi_bvh_child_leaf(number) : sagi_bvh_child_node(number);
+            *child = rng_one_in(&r, 2) ? hostile_word(&r, *child) : other;
         } else {
             uint32_t *words =
                 (void *)(copy.bytes + leaves.at +
@@ -102,7 +103,7 @@ static uint32_t *some_child(saved *file, bool leaf) {
     sagi_bvh_node *n = (void *)(file->bytes + nodes.at);
     for (size_t k = 0; k < nodes.bytes / sizeof *n; k++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++)
-            if (n[k].plane[0][i] <= n[k].plane[3][i] && ((n[k].child[i] & SAGI_BVH_LEAF) != 0) == leaf)
+            if (n[k].plane[0][i] <= n[k].plane[3][i] && sagi_bvh_is_leaf(n[k].child[i]) == leaf)
                 return &n[k].child[i];
     fail();
     return NULL;
@@ -142,7 +143,7 @@ static void tree_too_deep(void **state) {
                 for (int k = 0; k < 3; k++)
                     chain[n].plane[k][i] = i == 0 ? -1 : INFINITY,
                     chain[n].plane[3 + k][i] = i == 0 ? 1 : -INFINITY;
-                chain[n].child[i] = i > 0 ? 0 : n + 1 < levels ? n + 1 : SAGI_BVH_LEAF;
+                chain[n].child[i] = i > 0 ? 0 : n + 1 < levels ? sagi_bvh_child_node(n + 1) : SAGI_BVH_LEAF;
             }
         // The file again, with the chain for its nodes.
         size_t bytes = levels * sizeof *chain, rest = nodes.at + (nodes.bytes + 63) / 64 * 64;

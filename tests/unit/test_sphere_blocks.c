@@ -98,7 +98,7 @@ static void check_leaves(const sag_scene *scene, uint32_t count) {
     for (uint32_t n = 0; n < w->tree.node_count; n++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
             const sagi_bvh_node *node = &w->tree.nodes[n];
-            if (!(node->plane[0][i] <= node->plane[3][i]) || !(node->child[i] & SAGI_BVH_LEAF)) continue;
+            if (!(node->plane[0][i] <= node->plane[3][i]) || !sagi_bvh_is_leaf(node->child[i])) continue;
             const sagi_block *leaf = sagi_leaf(&w->tree, node->child[i]);
             assert_int_equal(leaf->kind, SAGI_BLOCK_SPHERES);
             for (uint32_t j = 0; j < leaf->count; j++) check_sphere(w, leaf, j, node, i);

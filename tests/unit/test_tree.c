@@ -152,7 +152,7 @@ typedef struct findings {
 // A leaf within a child's box. `all` is sorted by name; seen[] says who came up.
 static void check_leaf(const sagi_bvh *tree, uint32_t child, const sagi_float_box *box,
                        const sagi_bvh_primitive *all, uint32_t count, bool *seen, findings *f) {
-    uint32_t unit = child & ~SAGI_BVH_LEAF;
+    uint32_t unit = sagi_bvh_unit(child);
     assert_true(unit < tree->unit_count);
     test_leaf leaf = {0};
     memcpy(&leaf, tree->leaves + unit * SAGI_BVH_UNIT, 8);
@@ -194,11 +194,13 @@ static findings check(const sagi_bvh *tree, const sagi_bvh_primitive *all, uint3
             }
             f.children++;
             assert_true(encloses(&v.box, box.lo, box.hi));
-            if (node->child[i] & SAGI_BVH_LEAF) {
+            if (sagi_bvh_is_leaf(node->child[i])) {
                 check_leaf(tree, node->child[i], &box, all, count, seen, &f);
             } else {
                 assert_true(waiting < SAGI_BVH_STACK_SIZE);
-                stack[waiting++] = (visit){node->child[i], v.level + 1, box};
+                const uint32_t number = sagi_bvh_number(node->child[i]);
+                assert_int_equal(sagi_bvh_child_node(number), node->child[i]);
+                stack[waiting++] = (visit){number, v.level + 1, box};
             }
         }
     }

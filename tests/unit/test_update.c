@@ -221,7 +221,8 @@ static sagi_bvh_node *nodes_of(const sag_scene *scene, uint32_t id, uint32_t *co
     for (uint32_t n = 0; n < *count; n++)
         for (int i = 0; i < SAGI_BVH_WIDTH; i++)
             if (nodes[n].plane[0][i] <= nodes[n].plane[3][i])
-                nodes[n].child[i] -= (nodes[n].child[i] & SAGI_BVH_LEAF) != 0 ? g->unit_first : g->node_first;
+                nodes[n].child[i] -=
+                    sagi_bvh_is_leaf(nodes[n].child[i]) ? g->unit_first : sagi_bvh_child_node(g->node_first);
     return nodes;
 }
 
