@@ -149,14 +149,15 @@ typedef struct sagi_pbrt {
     struct sagi_promise *promises; // pbrt_promise.c
     struct sagi_promised_instance *promised_instances;
     size_t promise_count, promise_allocated, promised_instance_count, promised_instance_allocated;
-    bool naming;                 // the material that is being read gets a name
-    double image_distance;       // behind a lens (pbrt_lens.c), in the scene's unit; 0: there is none
-    double lens_share;           // of radiance that a lens lets through to the film
-    double film_diagonal;        // in mm
+    bool naming;                   // the material that is being read gets a name
+    double image_distance;         // behind a lens (pbrt_lens.c), in the scene's unit; 0: there is none
+    double lens_share;             // of radiance that a lens lets through to the film
+    double film_diagonal;          // in mm
     sagi_place film_at, filter_at; // their directives
-    int32_t seed;                // Option's
-    const float (*corner_uv)[2]; // of the patch that is being added; NULL: none
-    sag_scene *scene;            // shapes go there: the world's, an object's or a solid's
+    int32_t seed;                  // Option's
+    const float (*corner_uv)[2];   // of the patch that is being added; NULL: none
+    bool in_patches;               // the mesh that is being added is one of patches
+    sag_scene *scene;              // shapes go there: the world's, an object's or a solid's
     bool in_object;
     sagi_solid_reader solid;
     struct sagi_waiting *waiting; // pbrt_later.c

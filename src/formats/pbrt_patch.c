@@ -78,9 +78,14 @@ static sag_status add_mesh(sagi_pbrt *p, const sagi_mesh_data *data, const doubl
         corners_of(indices, i, corners);
         made = cut(&g, corners);
     }
-    if (made) return sagi_pbrt_finish_text_mesh(p, &mesh);
-    sagi_mesh_data_clear(&mesh);
-    return sagi_pbrt_out_of_memory(p);
+    if (!made) {
+        sagi_mesh_data_clear(&mesh);
+        return sagi_pbrt_out_of_memory(p);
+    }
+    p->in_patches = true;
+    const sag_status status = sagi_pbrt_finish_text_mesh(p, &mesh);
+    p->in_patches = false;
+    return status;
 }
 
 static sag_status add_patch(sagi_pbrt *p, const sagi_mesh_data *data, const double *indices, size_t face) {

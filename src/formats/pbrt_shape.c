@@ -66,7 +66,8 @@ static bool is_turned(const sagi_pbrt *p, sag_shape_kind kind) {
 
 // Material, alpha and light of the shape being read.
 static sag_appearance look_of(sagi_pbrt *p, sag_shape_kind kind, double area) {
-    sag_appearance look = {.material = p->state.material, .flip = is_turned(p, kind), .square_uv = true};
+    sag_appearance look = {
+        .material = p->state.material, .flip = is_turned(p, kind), .square_uv = !p->in_patches};
     if (p->state.inside) look.inside = p->media[p->state.inside - 1].id;
     if (p->state.outside) look.outside = p->media[p->state.outside - 1].id;
     if (p->corner_uv) look.has_uv = true, memcpy(look.uv, p->corner_uv, sizeof look.uv);
