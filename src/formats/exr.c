@@ -16,6 +16,8 @@
 typedef struct reader {
     const sagi_image_source *source;
     exr_context_t exr;
+    float *waste; // where channels go that nobody wants
+    size_t waste_bytes;
 } reader;
 
 static int64_t on_size(exr_const_context_t exr, void *user) {
@@ -100,35 +102,53 @@ static sag_color_space find_space(exr_const_context_t exr) {
     return SAG_COLOR_SRGB;
 }
 
-// Reads one chunk (a band of scan lines, or a tile) to column x and row y of the image.
-static exr_result_t read_chunk(const reader *r, const exr_chunk_info_t *chunk,
-                               exr_decode_pipeline_t *pipeline, bool first, const selection *s, uint32_t x,
-                               uint32_t y, sag_image *image) {
+// Room for one chunk of a channel that nobody wants; false when there is no memory.
+static bool make_waste(reader *r, size_t count) {
+    const size_t bytes = count * sizeof *r->waste;
+    if (bytes <= r->waste_bytes) return true;
+    sag_release(r->source->context, r->waste, r->waste_bytes);
+    r->waste = sag_allocate(r->source->context, bytes);
+    r->waste_bytes = r->waste != NULL ? bytes : 0;
+    return r->waste != NULL;
+}
+
+// Reads one chunk (a band of scan lines, or a tile) to column x and row y of the image. All channels are
+// decoded: OpenEXR 3.1 to 3.3 has quick ways for three and four channels of halves, which write to all of
+// them, wanted or not (openexr-1991).
+static exr_result_t read_chunk(reader *r, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *pipeline,
+                               bool first, const selection *s, uint32_t x, uint32_t y, sag_image *image) {
     exr_result_t code = first ? exr_decoding_initialize(r->exr, 0, chunk, pipeline)
                               : exr_decoding_update(r->exr, 0, chunk, pipeline);
     if (code != EXR_ERR_SUCCESS) return code;
     const uint32_t stride = image->channels * (uint32_t)sizeof(float);
     for (int i = 0; i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        channel->decode_to_ptr = NULL;
-        for (uint32_t c = 0; c < s->count; c++) {
-            if (strcmp(channel->channel_name, s->names[c]) != 0) continue;
-            if ((uint64_t)x + (uint64_t)channel->width > image->width ||
-                (uint64_t)y + (uint64_t)channel->height > image->height)
-                return EXR_ERR_CORRUPT_CHUNK;
+        if (channel->width < 0 || channel->height < 0 ||
+            (uint64_t)x + (uint64_t)channel->width > image->width ||
+            (uint64_t)y + (uint64_t)channel->height > image->height)
+            return EXR_ERR_CORRUPT_CHUNK;
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = 4;
+        uint32_t c = 0;
+        while (c < s->count && strcmp(channel->channel_name, s->names[c]) != 0) c++;
+        if (c < s->count) {
             channel->decode_to_ptr =
                 (uint8_t *)(image->pixels + ((size_t)y * image->width + x) * image->channels + c);
-            channel->user_data_type = EXR_PIXEL_FLOAT;
-            channel->user_bytes_per_element = 4;
             channel->user_pixel_stride = (int32_t)stride;
             channel->user_line_stride = (int32_t)(stride * image->width);
+        } else {
+            if (!make_waste(r, (size_t)channel->width * (size_t)channel->height + 1))
+                return EXR_ERR_OUT_OF_MEMORY;
+            channel->decode_to_ptr = (uint8_t *)r->waste;
+            channel->user_pixel_stride = 4;
+            channel->user_line_stride = 4 * channel->width;
         }
     }
     if (first) code = exr_decoding_choose_default_routines(r->exr, 0, pipeline);
     return code == EXR_ERR_SUCCESS ? exr_decoding_run(r->exr, 0, pipeline) : code;
 }
 
-static exr_result_t read_scanlines(const reader *r, const exr_attr_box2i_t *window, const selection *s,
+static exr_result_t read_scanlines(reader *r, const exr_attr_box2i_t *window, const selection *s,
                                    exr_decode_pipeline_t *pipeline, sag_image *image) {
     int32_t lines = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(r->exr, 0, &lines);
@@ -141,7 +161,7 @@ static exr_result_t read_scanlines(const reader *r, const exr_attr_box2i_t *wind
     return code;
 }
 
-static exr_result_t read_tiles(const reader *r, const selection *s, exr_decode_pipeline_t *pipeline,
+static exr_result_t read_tiles(reader *r, const selection *s, exr_decode_pipeline_t *pipeline,
                                sag_image *image) {
     int32_t tile_width = 0, tile_height = 0;
     exr_result_t code = exr_get_tile_sizes(r->exr, 0, 0, 0, &tile_width, &tile_height);
@@ -159,7 +179,7 @@ static exr_result_t read_tiles(const reader *r, const selection *s, exr_decode_p
     return code;
 }
 
-static sag_status read_part(const reader *r, sag_image *image, sag_error *error) {
+static sag_status read_part(reader *r, sag_image *image, sag_error *error) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
     const exr_attr_chlist_t *list = NULL;
@@ -186,6 +206,7 @@ static sag_status read_part(const reader *r, sag_image *image, sag_error *error)
     code = storage == EXR_STORAGE_TILED ? read_tiles(r, &s, &pipeline, image)
                                         : read_scanlines(r, &window, &s, &pipeline, image);
     exr_decoding_destroy(r->exr, &pipeline);
+    sag_release(r->source->context, r->waste, r->waste_bytes);
     return code == EXR_ERR_SUCCESS ? SAG_OK : damaged(r, error, code);
 }
 

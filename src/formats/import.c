@@ -285,19 +285,33 @@ static sag_status import_scene(importer *m) {
     return status;
 }
 
+// A face without corners counts as a polygon when Assimp looks what there is; and having found no polygon to
+// cut after all, it ends the program. So it is told what there is.
+static void name_primitives(const struct aiScene *scene) {
+    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+        struct aiMesh *mesh = scene->mMeshes[i];
+        bool polygons = false;
+        for (unsigned k = 0; k < mesh->mNumFaces && !polygons; k++)
+            polygons = mesh->mFaces[k].mNumIndices > 3;
+        if (polygons) continue;
+        mesh->mPrimitiveTypes &= ~(unsigned)aiPrimitiveType_POLYGON;
+        mesh->mPrimitiveTypes |= aiPrimitiveType_TRIANGLE; // none at all would count as unknown
+    }
+}
+
 // Assimp is not asked to join vertices: it takes for the same what is nearer than some absolute distance, and
 // a small model is a single point. For pictures, what brings no normals of its own gets smooth ones that stop
 // at creases: where neighbouring faces turn by more than 40 degrees.
 static const struct aiScene *import_file(const char *path, bool geometry_only) {
-    const unsigned flags = aiProcess_Triangulate;
-    if (geometry_only) return aiImportFile(path, flags);
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     if (!properties) return NULL;
     aiSetImportPropertyFloat(properties, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 40);
-    const struct aiScene *scene =
-        aiImportFileExWithProperties(path, flags | aiProcess_GenSmoothNormals, NULL, properties);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, 0, NULL, properties);
     aiReleasePropertyStore(properties);
-    return scene;
+    if (!scene) return NULL;
+    name_primitives(scene);
+    const unsigned flags = aiProcess_Triangulate;
+    return aiApplyPostProcessing(scene, geometry_only ? flags : flags | aiProcess_GenSmoothNormals);
 }
 
 sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_options *options,

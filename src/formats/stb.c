@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // TGA, BMP and Radiance HDR through stb_image. stb_image reads zeros beyond the end of a file without a word,
 // so it gets its bytes from a callback that notices: it asks either to refill its buffer (always the same
-// address, and only when it needs one more byte) or for an exact number of bytes.
+// address, and only when it needs one more byte) or for an exact number of bytes. Beyond the end it gets
+// ones: a run of HDR pixels that is 0 long it would take for ever and again.
 #include "formats/image.h"
 
 #include <string.h>
@@ -35,6 +36,10 @@ static int on_read(void *user, char *out, int count) {
     const size_t left = r->source->size - r->position, wanted = (size_t)count;
     const size_t got = left < wanted ? left : wanted;
     if (got == 0 || (got < wanted && out != r->refill)) r->cut_short = true;
+    if (got == 0 && out == r->refill) {
+        memset(out, 1, wanted);
+        return count;
+    }
     memcpy(out, r->source->bytes + r->position, got);
     r->position += got;
     return (int)got;

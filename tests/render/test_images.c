@@ -25,6 +25,7 @@
 #include "formats/file.h"
 #include "formats/number.h"
 #include "formats/output.h"
+#include "support/guarded_memory.h"
 
 static char folder[64];
 static sag_context *context;
@@ -67,7 +68,7 @@ static int files_in_folder(void) {
 static int setup(void **state) {
     (void)state;
     strcpy(folder, "/tmp/sagitta-images-XXXXXX");
-    context = sag_context_create(NULL);
+    context = sag_context_create(&(sag_context_options){.allocator = guarded_if_asked()});
     if (context) sag_context_memory(context, &held_at_first, NULL);
     return mkdtemp(folder) && context ? 0 : 1;
 }

@@ -18,6 +18,7 @@
 #include <sagitta/render.h>
 
 #include "render/world.h"
+#include "support/guarded_memory.h"
 
 // Assimp 5.2 loses some kilobytes when it refuses a damaged file: not ours to mend, and not to hide our own
 // leaks.
@@ -30,7 +31,7 @@ static sag_context *context;
 static int setup(void **state) {
     (void)state;
     strcpy(folder, "/tmp/sagitta-import-XXXXXX");
-    const sag_context_options options = {.thread_count = 1};
+    const sag_context_options options = {.thread_count = 1, .allocator = guarded_if_asked()};
     context = sag_context_create(&options);
     return mkdtemp(folder) && context ? 0 : 1;
 }
@@ -259,8 +260,8 @@ static void test_small_models_keep_their_vertices(void **state) {
 }
 
 // Each of these made Assimp or the reading of what it gives fall over: a node without children where one is
-// counted (RAW), room for more vertices than a file has bytes (OFF), a solid without triangles (STL); text in
-// UTF-16 came out as nothing.
+// counted (RAW), room for more vertices than a file has bytes (OFF), a solid without triangles (STL), faces
+// without corners (OFF); text in UTF-16 came out as nothing.
 static void test_what_the_importer_trips_over(void **state) {
     (void)state;
     static const char raw[] = "Name\n0.5 0.5 0.5 0 0 0 0 1 0 1 0 0\n";
@@ -284,6 +285,21 @@ static void test_what_the_importer_trips_over(void **state) {
     fails("w.off", off, sizeof off - 1, "not that of");
     static const char faces[] = "OFF\n3 99999 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     fails("w.off", faces, sizeof faces - 1, "not that of");
+    // Faces without corners, beside triangles and beside what is to be cut.
+    static const char empty[] = "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0\n";
+    static const char quad[] = "OFF\n4 3 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n0\n0\n";
+    for (size_t f = 0; f < 2; f++) {
+        write_file("e.off", f ? quad : empty, f ? sizeof quad - 1 : sizeof empty - 1);
+        for (int only = 0; only < 2; only++) {
+            sag_world *world = sag_world_create(context);
+            sag_error error;
+            const sag_status status =
+                only ? sag_world_load_geometry(world, in_folder("e.off"), NULL, NULL, &error)
+                     : sag_world_load(world, in_folder("e.off"), &error);
+            if (status != SAG_OK) fail_msg("%s", error.message);
+            sag_world_destroy(world);
+        }
+    }
     fails("w.obj",
           "\xff\xfev\0 \0"
           "0\0",

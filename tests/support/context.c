@@ -5,7 +5,6 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -13,9 +12,7 @@ sag_context *context;
 
 int setup(void **state) {
     (void)state;
-    sag_context_options options = {.thread_count = 0};
-    if (getenv("SAGITTA_GUARDED") != NULL) options.allocator = guarded_allocator(GUARDED_END);
-    context = sag_context_create(&options);
+    context = sag_context_create(&(sag_context_options){.allocator = guarded_if_asked()});
     return context == NULL;
 }
 int teardown(void **state) {

@@ -93,6 +93,10 @@ sag_allocator guarded_allocator(guarded_side side) {
     return (sag_allocator){.allocate = allocate_at_begin, .release = release_at_begin};
 }
 
+sag_allocator guarded_if_asked(void) {
+    return getenv("SAGITTA_GUARDED") != NULL ? guarded_allocator(GUARDED_END) : (sag_allocator){.user = NULL};
+}
+
 void *guarded_copy(const void *from, size_t bytes) {
     if (from == NULL || bytes == 0) return NULL;
     void *copy = allocate(GUARDED_END, bytes, 1);

@@ -18,6 +18,9 @@ typedef enum guarded_side {
 // written to, aborts the program.
 sag_allocator guarded_allocator(guarded_side side);
 
+// The same at the end, where SAGITTA_GUARDED is in the environment (the tests guarded/*); else the default.
+sag_allocator guarded_if_asked(void);
+
 // A copy of a caller's array that ends at a page's end to the byte; `bytes` is a multiple of the elements'
 // alignment. NULL of NULL or of nothing.
 void *guarded_copy(const void *from, size_t bytes);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/picture.h"
+#include "support/guarded_memory.h"
 
 #include "render/job.h"
 
@@ -13,7 +14,8 @@
 
 studio studio_open(uint32_t thread_count) {
     studio s = {.in_color = false};
-    s.context = sag_context_create(&(sag_context_options){.thread_count = thread_count});
+    s.context = sag_context_create(
+        &(sag_context_options){.thread_count = thread_count, .allocator = guarded_if_asked()});
     s.world = sag_world_create(s.context);
     assert_non_null(s.world);
     s.scene = sag_world_scene(s.world);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/scene_text.h"
 #include "support/failing_allocator.h"
+#include "support/guarded_memory.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +30,7 @@ static void on_log(void *user, sag_log_level level, const char *message) {
 int scene_setup(void **state) {
     (void)state;
     strcpy(folder, "/tmp/sagitta-pbrt-XXXXXX");
-    const sag_context_options options = {.log = on_log, .thread_count = 1};
+    const sag_context_options options = {.log = on_log, .thread_count = 1, .allocator = guarded_if_asked()};
     scene_context = sag_context_create(&options);
     return mkdtemp(folder) && scene_context ? 0 : 1;
 }
