@@ -23,7 +23,8 @@
 #define PACKET_RAYS   (8 * PACKET_GROUPS)
 #define PACKET_BLOCKS 256 // that nearest primitives may stand in
 #define PACKET_FOUND  (8 * PACKET_BLOCKS)
-#define PACKET_WORK   80 // a packet that needs more, in steps through nodes, is not worth it
+#define FAR_UNITS     65536 // of trees with more leaves than the second cache holds
+#define PACKET_WORK   80    // a packet that needs more, in steps through nodes, is not worth it
 
 // After some packets in a row that were not worth it, or were none, more and more of the next go untried.
 typedef struct packet_luck {
@@ -217,6 +218,12 @@ SAGI_INLINE float packet_limit(const packet *p) {
     return sagi_f8_most(most);
 }
 
+SAGI_INLINE void fetch_child(const sagi_bvh *tree, uint32_t at) {
+    const char *to =
+        sagi_bvh_is_leaf(at) ? (const char *)sagi_leaf(tree, at) : (const char *)sagi_bvh_node_at(tree, at);
+    __builtin_prefetch(to), __builtin_prefetch(to + 64), __builtin_prefetch(to + 128);
+}
+
 SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     const sagi_bvh *tree = &p->world->tree;
     float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
@@ -225,7 +232,9 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     waiting next = {0, 0};
     float limit = packet_limit(p);
     const slabs r = slabs_of(walker, tree->nodes);
+    const bool far = tree->unit_count > FAR_UNITS;
     for (;;) {
+        if (far && waits.height > 0) fetch_child(tree, child[waits.height - 1]); // probably what comes next
         if (!sagi_bvh_is_leaf(next.child)) {
             SAGI_KERNEL_COUNT(packet_nodes);
             if (++p->work > PACKET_WORK) {
