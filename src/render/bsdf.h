@@ -37,6 +37,9 @@ typedef struct sagi_bsdf {
     bool dispersed;   // ior is that of the first wavelength only
     bool layered;     // a coat that is walked through
     bool lit_as_pbrt; // such a one: as the material's
+    // Of coats with a formula, by sagi_coated_turn: F(wo), what of the base's light leaves in that direction,
+    // over η², how often the coat is chosen, and 1/η².
+    double outer, leaves, coat_share, inverse_ior2;
 } sagi_bsdf;
 
 typedef struct sagi_bsdf_sample {
@@ -57,6 +60,8 @@ static inline void sagi_bsdf_begin(sagi_bsdf *bsdf) {
     bsdf->rough_share = NULL;
     bsdf->specular = bsdf->dispersed = bsdf->layered = bsdf->lit_as_pbrt = false;
 }
+// What a coat with a formula does to light that goes to bsdf->wo; coated.c.
+void sagi_coated_turn(sagi_bsdf *bsdf);
 // Sets the frame and what belongs to it. `tangent` gives the direction of the frame's s where that matters.
 static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_vec3 shading,
                                        sag_vec3 tangent, sag_vec3 wo) {
@@ -76,6 +81,7 @@ static inline void sagi_bsdf_set_frame(sagi_bsdf *bsdf, sag_vec3 geometric, sag_
     }
     bsdf->s = s, bsdf->t = t;
     bsdf->wo = sag_vec3_make(sag_dot(wo, s), sag_dot(wo, t), sag_dot(wo, shading));
+    if (bsdf->kind == SAG_MATERIAL_COATED_DIFFUSE && !bsdf->layered) sagi_coated_turn(bsdf);
 }
 // f(wo, wi) |cos θi| and the density with which sample would find wi; black and 0 for specular ones.
 sagi_spectrum sagi_bsdf_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf);

@@ -47,11 +47,24 @@ double sagi_coat_transmittance(const sagi_bsdf *bsdf, sag_vec3 w, double reflect
     return (1 - reflectance) * decay(-bsdf->thickness / inside);
 }
 
-// The same of a rough one.
-static double transmittance(const sagi_bsdf *bsdf, const float *shares, sag_vec3 w, double reflectance) {
-    const double smooth = sagi_coat_transmittance(bsdf, w, reflectance);
+// The same at a cosine > 0, smooth or rough, with the reflectance: all of it by one division, as eval is
+// asked twice at each surface. (Fresnel's equations as in fresnel.c, their two denominators and cos θt
+// together.)
+static inline double transmittance(const sagi_bsdf *bsdf, const float *shares, double cosine,
+                                   double *reflectance) {
+    const double eta = bsdf->ior, sin2_t = (1 - cosine * cosine) * bsdf->inverse_ior2;
+    *reflectance = 1;
+    if (!(sin2_t < 1)) return 0;
+    const double cos_t = sqrt(1 - sin2_t);
+    const double parallel = eta * cosine + cos_t, perpendicular = cosine + eta * cos_t;
+    const double product = parallel * perpendicular, inverse = 1 / (product * cos_t);
+    const double a = (eta * cosine - cos_t) * perpendicular, b = (cosine - eta * cos_t) * parallel;
+    const double scale = cos_t * inverse;
+    *reflectance = (a * a + b * b) * (scale * scale) / 2;
+    double smooth = 1 - *reflectance;
+    if (bsdf->thickness > 0) smooth *= decay(-bsdf->thickness * (product * inverse));
     if (!bsdf->rough_share) return smooth;
-    const double x = sagi_clamp(w.z * SAGI_COAT_STEPS - 0.5, 0, SAGI_COAT_STEPS - 1);
+    const double x = sagi_clamp(cosine * SAGI_COAT_STEPS - 0.5, 0, SAGI_COAT_STEPS - 1);
     const int i = x < SAGI_COAT_STEPS - 2 ? (int)x : SAGI_COAT_STEPS - 2;
     const double share = (double)shares[i] * (1 - (x - i)) + (double)shares[i + 1] * (x - i);
     // What pbrt-v4 finds of a lamp may be more than there is.
@@ -64,16 +77,22 @@ static double coat_probability(const sagi_bsdf *bsdf, double reflectance) {
     return sagi_clamp(reflectance / (reflectance + base_share), 0.1, 1);
 }
 
+void sagi_coated_turn(sagi_bsdf *bsdf) {
+    bsdf->inverse_ior2 = 1 / (bsdf->ior * bsdf->ior);
+    bsdf->leaves =
+        transmittance(bsdf, bsdf->rough_share, fabs(bsdf->wo.z), &bsdf->outer) * bsdf->inverse_ior2;
+    bsdf->coat_share = coat_probability(bsdf, bsdf->outer);
+}
+
 // The coat is the same from both sides: both directions are turned up.
 static sag_vec3 upward(const sagi_bsdf *bsdf, sag_vec3 w) { return bsdf->wo.z < 0 ? sag_neg(w) : w; }
 
 // `shares`: of the light that comes in.
 static sagi_spectrum eval_upward(const sagi_bsdf *bsdf, const float *shares, sag_vec3 wo, sag_vec3 wi,
                                  double *pdf) {
-    double out = sagi_fresnel_dielectric(wo.z, bsdf->ior), in = sagi_fresnel_dielectric(wi.z, bsdf->ior);
-    double coat = coat_probability(bsdf, out);
-    const double leaves = transmittance(bsdf, bsdf->rough_share, wo, out);
-    const double through = leaves * transmittance(bsdf, shares, wi, in) / (bsdf->ior * bsdf->ior);
+    double ignored;
+    const double coat = bsdf->coat_share,
+                 through = bsdf->leaves * transmittance(bsdf, shares, wi.z, &ignored);
     const sagi_spectrum value = bsdf->base * (float)(through * wi.z * SAGI_INV_PI);
     *pdf = (1 - coat) * wi.z * SAGI_INV_PI;
     if (!(bsdf->facets.ax > 0)) return value;
@@ -91,12 +110,10 @@ sagi_spectrum sagi_coated_eval(const sagi_bsdf *bsdf, sag_vec3 wi, double *pdf) 
 
 bool sagi_coated_sample(const sagi_bsdf *bsdf, double choose, sag_vec2 u, sagi_bsdf_sample *sample) {
     sag_vec3 wo = upward(bsdf, bsdf->wo), wi;
-    double reflectance = sagi_fresnel_dielectric(wo.z, bsdf->ior);
-    double coat = coat_probability(bsdf, reflectance);
-    if (choose < coat) {
+    if (choose < bsdf->coat_share) {
         if (!(bsdf->facets.ax > 0)) {
             sample->wi = upward(bsdf, sag_vec3_make(-wo.x, -wo.y, wo.z));
-            sample->weight = sagi_spectrum_all(reflectance / coat);
+            sample->weight = sagi_spectrum_all(bsdf->outer / bsdf->coat_share);
             sample->specular = true;
             return true;
         }

@@ -21,9 +21,11 @@ double sagi_fresnel_dielectric(double cos_i, double eta) {
     double sin2_t = (1 - cos_i * cos_i) / (eta * eta);
     if (sin2_t >= 1) return 1;
     double cos_t = sqrt(1 - sin2_t);
-    double parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    double perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    return (parallel * parallel + perpendicular * perpendicular) / 2;
+    // (Over one denominator: a division takes as long as a dozen products.)
+    const double parallel = eta * cos_i + cos_t, perpendicular = cos_i + eta * cos_t;
+    const double a = (eta * cos_i - cos_t) * perpendicular, b = (cos_i - eta * cos_t) * parallel;
+    const double scale = 1 / (parallel * perpendicular);
+    return (a * a + b * b) * (scale * scale) / 2;
 }
 
 double sagi_fresnel_conductor(double cos_i, double eta, double k) {

@@ -360,7 +360,7 @@ static void lamps_shine_through_rough_coats_as_in_pbrt(void **state) {
          {{{0.4315, 0.4013}, {0.4294, 0.4005}, {0.4489, 0.4229}},
           {{0.3486, 0.3163}, {0.3248, 0.2963}, {0.3284, 0.3027}}}},
     };
-    enum { COUNT = 30000 };
+    enum { COUNT = 100000 };
     rng r = rng_make(44);
     for (size_t c = 0; c < sizeof coats / sizeof *coats; c++)
         for (int rough = 0; rough < 2; rough++)
