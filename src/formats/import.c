@@ -3,12 +3,9 @@
 // is asked to cut polygons into triangles (and for normals, for pictures), so that primitives stay in the
 // file's order and nothing is dropped or moved; vertices that are the same are joined here, those that are
 // near are not. A mesh that several nodes show becomes one object and its instances.
-//
-// Assimp reads a file whole before it looks at it and takes noise for text, so what cannot be a file of the
-// format its name promises is refused beforehand.
+#include "formats/import_file.h"
 #include "formats/import_material.h"
 
-#include "formats/file.h"
 #include "formats/image.h"
 #include "formats/output.h"
 
@@ -40,93 +37,6 @@ typedef struct importer {
 
 static sag_status out_of_memory(const importer *m) {
     return sag_error_set_at(m->error, SAG_ERROR_MEMORY, m->path, 0, 0, "out of memory loading the model");
-}
-
-// ---- what a file is
-
-static const char *ending_of(const char *path) {
-    const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
-    return dot && (!slash || dot > slash) ? dot : "";
-}
-
-static bool begins(const sagi_file *file, const char *magic) {
-    return file->size >= strlen(magic) && memcmp(file->bytes, magic, strlen(magic)) == 0;
-}
-
-static bool is_text(const sagi_file *file) {
-    const size_t n = file->size < 4096 ? file->size : 4096;
-    for (size_t i = 0; i < n; i++) {
-        const uint8_t c = file->bytes[i];
-        if (c < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f') return false;
-    }
-    return true;
-}
-
-// Whether an OFF file is long enough for the numbers of vertices and faces that it begins with: Assimp makes
-// room for them before it looks.
-static bool holds_its_counts(const sagi_file *file) {
-    const uint8_t *p = file->bytes, *const end = p + file->size;
-    for (int numbers = 0; numbers < 2 && p != end;) {
-        if (*p == '#') {
-            while (p != end && *p != '\n') p++;
-        } else if (*p >= '0' && *p <= '9') {
-            uint64_t count = 0;
-            for (; p != end && *p >= '0' && *p <= '9' && count <= file->size; p++)
-                count = 10 * count + (*p - '0');
-            if (count > file->size) return false;
-            numbers++;
-        } else { // the format's name: OFF, STOFF, 4OFF …; its digits are no numbers too large
-            p++;
-        }
-    }
-    return true;
-}
-
-// Whether the content may be of the format the name promises.
-static bool is_plausible(const sagi_file *file, const char *ending) {
-    static const char *const text[] = {".obj", ".off", ".gltf", ".dae", ".x3d", ".wrl",
-                                       ".ac",  ".ase", ".nff",  ".smd", ".raw", ".xml"};
-    for (size_t i = 0; i < sizeof text / sizeof *text; i++)
-        if (strcasecmp(ending, text[i]) == 0)
-            return is_text(file) && (strcasecmp(ending, ".off") != 0 || holds_its_counts(file));
-    if (strcasecmp(ending, ".stl") == 0) {
-        if (file->size < 84) return begins(file, "solid") && is_text(file);
-        const uint8_t *n = file->bytes + 80;
-        const uint64_t count = n[0] | (uint64_t)n[1] << 8 | (uint64_t)n[2] << 16 | (uint64_t)n[3] << 24;
-        // Binary: 50 bytes a triangle; some writers leave a little behind them.
-        const uint64_t bytes = 84 + 50 * count;
-        if (count > 0 && bytes <= file->size && file->size - bytes <= 50 * count + (1u << 20)) return true;
-        return begins(file, "solid") && is_text(file);
-    }
-    if (strcasecmp(ending, ".glb") == 0) return begins(file, "glTF");
-    if (strcasecmp(ending, ".fbx") == 0) return begins(file, "Kaydara FBX Binary") || is_text(file);
-    if (strcasecmp(ending, ".3ds") == 0) return begins(file, "MM");
-    if (strcasecmp(ending, ".blend") == 0) return begins(file, "BLENDER");
-    if (strcasecmp(ending, ".3mf") == 0) return begins(file, "PK");
-    return true;
-}
-
-static sag_status check_file(const importer *m) {
-    const char *ending = ending_of(m->path);
-    sagi_file file;
-    const sag_status status = sagi_file_open(m->context, m->path, &file, m->error);
-    if (status != SAG_OK) return status;
-    const bool plausible = is_plausible(&file, ending), empty = file.size == 0;
-    const bool utf16 = begins(&file, "\xff\xfe") || begins(&file, "\xfe\xff");
-    sagi_file_close(&file);
-    if (!ending[0] || !aiIsExtensionSupported(ending))
-        return sag_error_set_at(
-            m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
-            "unknown kind of scene \"%.20s\": .pbrt, .ply, .obj, .stl, .gltf, .glb, .fbx … can be read",
-            ending);
-    if (empty) return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0, "the file is empty");
-    if (!plausible && utf16)
-        return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
-                                "its text is in UTF-16, which cannot be read: save it as UTF-8");
-    if (!plausible)
-        return sag_error_set_at(m->error, SAG_ERROR_FORMAT, m->path, 0, 0,
-                                "the content is not that of a %.20s file", ending);
-    return SAG_OK;
 }
 
 // ---- meshes
@@ -302,16 +212,18 @@ static void name_primitives(const struct aiScene *scene) {
 // Assimp is not asked to join vertices: it takes for the same what is nearer than some absolute distance, and
 // a small model is a single point. For pictures, what brings no normals of its own gets smooth ones that stop
 // at creases: where neighbouring faces turn by more than 40 degrees.
-static const struct aiScene *import_file(const char *path, bool geometry_only) {
+static const struct aiScene *import_file(const importer *m) {
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     if (!properties) return NULL;
+    struct aiFileIO files = sagi_import_files(m->context);
     aiSetImportPropertyFloat(properties, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 40);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, 0, NULL, properties);
+    const struct aiScene *scene = aiImportFileExWithProperties(m->path, 0, &files, properties);
     aiReleasePropertyStore(properties);
     if (!scene) return NULL;
     name_primitives(scene);
     const unsigned flags = aiProcess_Triangulate;
-    return aiApplyPostProcessing(scene, geometry_only ? flags : flags | aiProcess_GenSmoothNormals);
+    return aiApplyPostProcessing(scene,
+                                 m->options->geometry_only ? flags : flags | aiProcess_GenSmoothNormals);
 }
 
 sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_options *options,
@@ -325,9 +237,9 @@ sag_status sagi_assimp_load(sag_world *world, const char *path, const sagi_load_
                   .bounds = bounds};
     const char *slash = strrchr(path, '/');
     snprintf(m.directory, sizeof m.directory, "%.*s", slash ? (int)(slash - path) + 1 : 0, path);
-    sag_status status = check_file(&m);
+    sag_status status = sagi_import_check(m.context, path, error);
     if (status != SAG_OK) return status;
-    m.scene = import_file(path, options->geometry_only);
+    m.scene = import_file(&m);
     if (!m.scene) {
         const char *reason = aiGetErrorString();
         return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0, "cannot read: %.400s",
