@@ -8,6 +8,7 @@
 // normals it makes in their own space and takes along by the inverse transposed, which needs no turning, but
 // turns them all the same: a mirrored sphere's front is inside. Scenes are made to look right that way.
 #include "formats/pbrt_shape.h"
+#include "math/affine_inverse.h"
 #include "math/elementary.h"
 
 #include "formats/pbrt_later.h"
@@ -60,7 +61,7 @@ static bool is_turned(const sagi_pbrt *p, sag_shape_kind kind) {
     const bool is_quadric = kind == SAG_SHAPE_SPHERE || kind == SAG_SHAPE_DISK || kind == SAG_SHAPE_CYLINDER;
     const sag_affine now = sagi_pbrt_transform_now(p);
     const bool mirrored =
-        is_quadric && !p->solid.scene && !p->state.area_light.on && sag_affine_determinant(&now) < 0;
+        is_quadric && !p->solid.scene && !p->state.area_light.on && sagi_affine_is_mirror(&now);
     return p->state.reverse_orientation != mirrored;
 }
 
@@ -160,7 +161,8 @@ static sag_status add_checked(sagi_pbrt *p, sag_shape_kind kind, const void *sha
                               const sag_error *reason, double area) {
     if (p->params.status != SAG_OK) return p->params.status;
     if (check != SAG_OK) return sagi_params_fail(&p->params, NULL, "%.380s", reason->message);
-    return sagi_pbrt_add(p, kind, shape, area * sagi_pbrt_area_factor(p), &p->state.ctm);
+    if (p->state.area_light.on) area *= sagi_pbrt_area_factor(p);
+    return sagi_pbrt_add(p, kind, shape, area, &p->state.ctm);
 }
 
 #define ADD(KIND, name, shape)                                                                               \
@@ -186,6 +188,7 @@ static bool stands_upright(const sag_affine *m) {
 static sag_status placed_sphere(sagi_pbrt *p, sag_sphere s) {
     const sag_affine *m = &p->state.ctm, unmoved = sag_affine_identity();
     const double scale = m->m[0][0];
+    const bool shines = p->state.area_light.on;
     sag_error reason = {0};
     sag_status check = p->params.status == SAG_OK ? sag_sphere_validate(&s, &reason) : SAG_OK;
     if (check == SAG_OK && stands_upright(m)) {
@@ -193,9 +196,10 @@ static sag_status placed_sphere(sagi_pbrt *p, sag_sphere s) {
         there.center = sag_affine_point(m, s.center);
         there.radius *= scale, there.z_min *= scale, there.z_max *= scale;
         if (sag_sphere_validate(&there, NULL) == SAG_OK)
-            return sagi_pbrt_add(p, SAG_SHAPE_SPHERE, &there, sag_sphere_area(&there), &unmoved);
+            return sagi_pbrt_add(p, SAG_SHAPE_SPHERE, &there, shines ? sag_sphere_area(&there) : 0, &unmoved);
     }
-    return add_checked(p, SAG_SHAPE_SPHERE, &s, check, &reason, check == SAG_OK ? sag_sphere_area(&s) : 0);
+    return add_checked(p, SAG_SHAPE_SPHERE, &s, check, &reason,
+                       check == SAG_OK && shines ? sag_sphere_area(&s) : 0);
 }
 
 static sag_status sphere(sagi_pbrt *p) {

@@ -84,8 +84,8 @@ double sag_affine_determinant(const sag_affine *a) {
 
 // Rounding takes less than 2⁻⁴⁹ of the sum of the determinant's six products, all signs taken as plus: a
 // determinant beyond 2⁻⁴⁰ of that is not 0. With elements within 2^±100 nothing over- or underflows either:
-// the inverse's are below 2⁵⁴².
-bool sagi_affine_has_inverse(const sag_affine *a) {
+// the inverse's are below 2⁵⁴². Returns its sign, and 0 where that is not seen.
+static int quick_sign(const sag_affine *a) {
     double sum = 0, absolute = 0;
     bool plain = true;
     for (int i = 0; i < 3; i++) {
@@ -98,9 +98,17 @@ bool sagi_affine_has_inverse(const sag_affine *a) {
         sum += p - q;
         absolute += fabs(p) + fabs(q);
     }
-    if (plain && fabs(sum) > 0x1p-40 * absolute) return true;
+    return !plain ? 0 : sum > 0x1p-40 * absolute ? 1 : sum < -0x1p-40 * absolute ? -1 : 0;
+}
+
+bool sagi_affine_has_inverse(const sag_affine *a) {
     sag_affine inverse;
-    return sag_affine_inverse(a, &inverse);
+    return quick_sign(a) != 0 || sag_affine_inverse(a, &inverse);
+}
+
+bool sagi_affine_is_mirror(const sag_affine *a) {
+    const int sign = quick_sign(a);
+    return sign ? sign < 0 : sag_affine_determinant(a) < 0;
 }
 
 bool sag_affine_inverse(const sag_affine *a, sag_affine *inverse) {

@@ -41,9 +41,24 @@ bool sagi_matrix_invert(const double m[3][3], double inverse[3][3]);
 // The same colour in another space (an index each); a white is not adapted.
 void sagi_color_convert(int from, int to, const double rgb[3], double converted[3]);
 
-// The coefficients of a reflectance that has the linear colour rgb, each in [0, 1], under the space's white,
-// integrated in steps of so many nm (a divisor of 470); see rgb_solve.c. `c` goes in as the first guess.
-void sagi_color_solve(const sagi_color_space *space, int step, const double rgb[3], double c[3]);
+// x, y, z of the white light that is reflected at each of `count` wavelengths, and how far along it is, 0
+// … 1.
+typedef double sagi_color_sums __attribute__((vector_size(32)));
+typedef struct sagi_color_basis {
+    sagi_color_sums at[SAGI_WAVELENGTH_COUNT];
+    int count;
+} sagi_color_basis;
+// What is the same for all colours of a space.
+typedef struct sagi_color_solver {
+    const sagi_color_space *space;
+    sagi_color_basis fine, rough;
+} sagi_color_solver;
+
+// Integrates in steps of so many nm (a divisor of 470).
+void sagi_color_solver_init(sagi_color_solver *solver, const sagi_color_space *space, int step_nm);
+// The coefficients of a reflectance that has the linear colour rgb, each in [0, 1], under the space's white;
+// see rgb_solve.c. `c` goes in as the first guess.
+void sagi_color_solve(const sagi_color_solver *solver, const double rgb[3], double c[3]);
 // Values of the largest component in the tables, from 0 to 1: nodes are nearer to each other at the ends.
 static inline double sagi_color_level(int i) {
     const double x = i * (1.0 / (SAGI_COLOR_LEVELS - 1));

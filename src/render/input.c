@@ -12,6 +12,13 @@ sagi_color sagi_input_color(const sag_world *world, const sag_input *input, sagi
     return entry ? entry->color : sagi_color_of_rgb(SAG_COLOR_SRGB, input->value, use);
 }
 
+sagi_color sagi_input_color_soon(const sag_world *world, const sag_input *input, sagi_rgb_use use) {
+    if (input->spectrum) return sagi_input_color(world, input, use);
+    sagi_color color = sagi_color_of_texel(SAG_COLOR_SRGB, input->value, use);
+    color.near = color.curved;
+    return color;
+}
+
 sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input) {
     const sagi_spectrum_entry *entry = sagi_spectrum_of(world, input->spectrum);
     return entry ? entry->reflectance : input->value;

@@ -117,15 +117,16 @@ static void read_material(const sag_world *world, const sagi_material *entry, co
         read_index(&entry->eta, lambda, bsdf);
         bsdf->color = read_albedo(world, &material->reflectance, &entry->reflectance, at, lambda);
         bsdf->facets = read_roughness(world, material, at);
-        if (wants_walk(material) || (bsdf->facets.ax > 0 && !entry->has_shares && bsdf->ior != 1)) {
+        if (wants_walk(material) || (bsdf->facets.ax > 0 && !entry->coat && bsdf->ior != 1)) {
             bsdf->coat = bsdf->facets;
             bsdf->facets = (sagi_microfacet){0, 0};
             read_walk(world, entry, at, lambda, bsdf);
             break;
         }
-        if (entry->has_shares) {
-            bsdf->rough_share = entry->rough_share;
-            bsdf->lit_share = material->lit_as_pbrt ? entry->lit_share : entry->rough_share;
+        if (entry->coat) {
+            const sagi_coat *coat = (const sagi_coat *)world->coats.items + (entry->coat - 1);
+            bsdf->rough_share = coat->rough_share;
+            bsdf->lit_share = material->lit_as_pbrt ? coat->lit_share : coat->rough_share;
         }
         bsdf->inner_mean = entry->inner_mean;
         bsdf->thickness = material->thickness.value.r;

@@ -62,6 +62,7 @@ static sag_status prepare(sag_render *render, sag_error *error) {
     render->has_media = render->settings.integrator == SAG_INTEGRATOR_VOLPATH && world->media.count > 0;
     render->see_through = sees_through(world);
     find_meshes(world);
+    sagi_world_solve_colors(world);
     status = sagi_lights_init(&render->lights, world, error);
     if (status != SAG_OK) return status;
     render->build_seconds = sagi_clock_seconds() - start;

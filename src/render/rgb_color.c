@@ -33,7 +33,9 @@ static void look_up(sag_color_space space, const float rgb[3], float c[3]) {
     for (int k = 0; k < 3; k++) c[k] = value[k];
 }
 
-static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, bool exactly) {
+// By the table and, where there is a solver, exactly.
+static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use,
+                       const sagi_color_solver *solver) {
     // What is no colour stays none, so that it is found out; a reflectance is cut off.
     if (use != SAGI_RGB_ALBEDO && !sagi_rgb_is_finite(rgb)) return (sagi_color){.scale = NAN};
     rgb = cut_off(rgb, use == SAGI_RGB_ALBEDO ? 1 : INFINITY);
@@ -47,19 +49,27 @@ static sagi_color make(sag_color_space space, sag_rgb rgb, sagi_rgb_use use, boo
     const float near[3] = {(float)wanted[0], (float)wanted[1], (float)wanted[2]};
     if (!(fmaxf(near[0], fmaxf(near[1], near[2])) > RATIOS * FLT_MIN)) return (sagi_color){.scale = 0};
     look_up(space, near, color.c);
-    if (!exactly) return color;
+    if (!solver) return color;
     double c[3] = {(double)color.c[0], (double)color.c[1], (double)color.c[2]};
-    sagi_color_solve(&sagi_color_spaces[space], 1, wanted, c);
+    sagi_color_solve(solver, wanted, c);
     for (int k = 0; k < 3; k++) color.c[k] = (float)c[k];
     return color;
 }
 
 sagi_color sagi_color_of_rgb(sag_color_space space, sag_rgb rgb, sagi_rgb_use use) {
-    return make(space, rgb, use, true);
+    sagi_color color = make(space, rgb, use, NULL);
+    if (!color.curved) return color;
+    sagi_color_solver solver;
+    sagi_color_solver_init(&solver, &sagi_color_spaces[space], 1);
+    return make(space, rgb, use, &solver);
+}
+
+sagi_color sagi_color_of_srgb(const sagi_color_solver *solver, sag_rgb rgb, sagi_rgb_use use) {
+    return make(SAG_COLOR_SRGB, rgb, use, solver);
 }
 
 sagi_color sagi_color_of_texel(sag_color_space space, sag_rgb rgb, sagi_rgb_use use) {
-    return make(space, rgb, use, false);
+    return make(space, rgb, use, NULL);
 }
 
 void sagi_color_convert(int from, int to, const double rgb[3], double converted[3]) {

@@ -58,6 +58,7 @@ typedef struct sagi_color {
     const float *table; // by nanometre; NULL: 1
     bool curved;        // else the reflectance is 1
     bool varies;        // it is not the same at all wavelengths
+    bool near;          // `c` is from the table and will be solved for (exact_colors.c)
 } sagi_color;
 
 // The nearest nanometres, as places in a table.
@@ -93,6 +94,7 @@ typedef enum sagi_rgb_use {
 // A spectrum for a linear RGB colour: exactly solved for, and from the table, which is quicker. Negative
 // components are cut off.
 sagi_color sagi_color_of_rgb(sag_color_space space, sag_rgb rgb, sagi_rgb_use use);
+sagi_color sagi_color_of_srgb(const sagi_color_solver *solver, sag_rgb rgb, sagi_rgb_use use); // for many
 sagi_color sagi_color_of_texel(sag_color_space space, sag_rgb rgb, sagi_rgb_use use);
 static inline sag_rgb sagi_rgb_convert(sag_color_space from, sag_color_space to, sag_rgb rgb) {
     const double own[3] = {rgb.r, rgb.g, rgb.b};

@@ -30,8 +30,8 @@ static bool read_inputs(const sag_world *world, const sag_texture *texture, sagi
         const sag_texture_id id = inputs[i]->texture;
         if (id > world->textures.count || inputs[i]->spectrum > world->spectra.count) return false;
         if (i < 4) {
-            entry->colors[0][i] = sagi_input_color(world, inputs[i], SAGI_RGB_ALBEDO);
-            entry->colors[1][i] = sagi_input_color(world, inputs[i], SAGI_RGB_UNBOUNDED);
+            entry->colors[0][i] = sagi_input_color_soon(world, inputs[i], SAGI_RGB_ALBEDO);
+            entry->colors[1][i] = sagi_input_color_soon(world, inputs[i], SAGI_RGB_UNBOUNDED);
         }
         if (id == 0) continue;
         const sagi_texture *input = &textures[id - 1];

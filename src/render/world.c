@@ -60,6 +60,7 @@ void sag_world_destroy(sag_world *world) {
     sagi_list_clear(context, &world->spectra, sizeof(sagi_spectrum_entry));
     sagi_list_clear(context, &world->textures, sizeof(sagi_texture));
     sagi_list_clear(context, &world->materials, sizeof(sagi_material));
+    sagi_list_clear(context, &world->coats, sizeof(sagi_coat));
     sagi_list_clear(context, &world->media, sizeof(sagi_medium));
     sagi_list_clear(context, &world->lights, sizeof(sag_light));
     sagi_list_clear(context, &world->appearances, sizeof(sagi_appearance));
@@ -153,48 +154,49 @@ static sagi_microfacet plain_facets(const sag_material *material) {
     return (sagi_microfacet){alpha, alpha};
 }
 
-// Takes a rough coat's table, which takes milliseconds to make, from one of the last few materials, if it has
-// such a coat.
-static bool share_table(const sag_world *world, sagi_material *entry, const sagi_bsdf *coat) {
-    const sagi_material *materials = world->materials.items;
-    const size_t count = world->materials.count;
+// The number of a rough coat's table, which takes milliseconds to make: one of the last few, or a new one. 0
+// when memory is short.
+static uint32_t coat_table(sag_world *world, const sagi_bsdf *coat) {
+    const sagi_coat *coats = world->coats.items;
+    const size_t count = world->coats.count;
     for (size_t i = count; i > 0 && count - i < 64; i--) {
-        const sagi_material *other = &materials[i - 1];
-        if (!other->has_shares || other->coat_ior != coat->ior || other->coat_alpha != coat->coat.ax ||
-            other->coat_thickness != coat->thickness)
-            continue;
-        memcpy(entry->rough_share, other->rough_share, sizeof entry->rough_share);
-        memcpy(entry->lit_share, other->lit_share, sizeof entry->lit_share);
-        entry->inner_mean = other->inner_mean;
-        return true;
+        const sagi_coat *other = &coats[i - 1];
+        if (other->ior == coat->ior && other->alpha == coat->coat.ax && other->thickness == coat->thickness)
+            return (uint32_t)i;
     }
-    return false;
+    sagi_coat *slot = sagi_list_grow(world->context, &world->coats, sizeof *slot);
+    if (!slot) return 0;
+    slot->ior = coat->ior, slot->alpha = coat->coat.ax, slot->thickness = coat->thickness;
+    slot->inner_mean = sagi_coat_table(coat, slot->rough_share, slot->lit_share);
+    return (uint32_t)++world->coats.count;
 }
 
-// What of a material does not change over the surface.
-static void prepare_material(const sag_world *world, sagi_material *entry) {
+// What of a material does not change over the surface. False when memory is short.
+static bool prepare_material(sag_world *world, sagi_material *entry) {
     const sag_material *material = &entry->material;
-    entry->reflectance = sagi_input_color(world, &material->reflectance, SAGI_RGB_ALBEDO);
-    entry->transmittance = sagi_input_color(world, &material->transmittance, SAGI_RGB_ALBEDO);
-    entry->coat_albedo = sagi_input_color(world, &material->coat_albedo, SAGI_RGB_ALBEDO);
+    entry->reflectance = sagi_input_color_soon(world, &material->reflectance, SAGI_RGB_ALBEDO);
+    entry->transmittance = sagi_input_color_soon(world, &material->transmittance, SAGI_RGB_ALBEDO);
+    entry->coat_albedo = sagi_input_color_soon(world, &material->coat_albedo, SAGI_RGB_ALBEDO);
     entry->coat_eta = index_color(world, &material->coat_eta);
     if (material->kind == SAG_MATERIAL_CONDUCTOR || material->kind == SAG_MATERIAL_COATED_CONDUCTOR) {
         entry->eta = sagi_input_color(world, &material->eta, SAGI_RGB_UNBOUNDED);
         entry->k = sagi_input_color(world, &material->k, SAGI_RGB_UNBOUNDED);
         entry->mirror = mirror_color(&entry->eta, &entry->k);
-        return;
+        return true;
     }
     entry->eta = index_color(world, &material->eta);
-    if (material->kind != SAG_MATERIAL_COATED_DIFFUSE) return;
+    if (material->kind != SAG_MATERIAL_COATED_DIFFUSE) return true;
     const double eta = sagi_color_at_first(&entry->eta, sagi_spectrum_all(560));
     const sagi_bsdf coat = {.ior = eta > 0 ? eta : 1.5,
                             .thickness = fmax(material->thickness.value.r, 0),
                             .coat = plain_facets(material)};
-    entry->has_shares = coat.coat.ax > 0 && coat.ior != 1;
-    if (!entry->has_shares) entry->inner_mean = sagi_fresnel_inner_mean(coat.ior, coat.thickness);
-    entry->coat_ior = coat.ior, entry->coat_alpha = coat.coat.ax, entry->coat_thickness = coat.thickness;
-    if (entry->has_shares && !share_table(world, entry, &coat))
-        entry->inner_mean = sagi_coat_table(&coat, entry->rough_share, entry->lit_share);
+    if (!(coat.coat.ax > 0 && coat.ior != 1)) {
+        entry->inner_mean = sagi_fresnel_inner_mean(coat.ior, coat.thickness);
+        return true;
+    }
+    entry->coat = coat_table(world, &coat);
+    if (entry->coat) entry->inner_mean = ((const sagi_coat *)world->coats.items)[entry->coat - 1].inner_mean;
+    return entry->coat != 0;
 }
 
 static bool is_mixable(const sag_world *world, uint32_t id) {
@@ -239,7 +241,7 @@ uint32_t sag_world_add_material(sag_world *world, const sag_material *material) 
     slot->wants_footprint = wants_footprint;
     slot->bent = material->normal_map != 0 || material->displacement.texture != 0;
     slot->plain = material->kind == SAG_MATERIAL_DIFFUSE && !slot->wants_spot && !slot->bent;
-    prepare_material(world, slot);
+    if (!prepare_material(world, slot)) return 0;
     world->materials.count++;
     return (uint32_t)world->materials.count;
 }

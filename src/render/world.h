@@ -28,14 +28,18 @@ typedef struct sagi_texture {
     bool wants_footprint; // it or one of its inputs
 } sagi_texture;
 
+// What gets through a rough coat, for all materials that have such a one.
+typedef struct sagi_coat {
+    double ior, alpha, thickness, inner_mean;
+    float rough_share[SAGI_COAT_STEPS], lit_share[SAGI_COAT_STEPS];
+} sagi_coat;
+
 typedef struct sagi_material {
     sag_material material;
     sagi_color reflectance, transmittance, eta, k, coat_eta, coat_albedo; // where they are no textures
-    sag_rgb mirror;    // of a metal without textures: its colour at normal incidence
-    double inner_mean; // of a coat
-    bool has_shares;
-    double coat_ior, coat_alpha, coat_thickness;                    // of which
-    float rough_share[SAGI_COAT_STEPS], lit_share[SAGI_COAT_STEPS]; // of a rough coat, where has_shares
+    sag_rgb mirror;       // of a metal without textures: its colour at normal incidence
+    double inner_mean;    // of a coat
+    uint32_t coat;        // a rough coat's table, of the world; 0: it has none
     bool wants_spot;      // it has textures, or what it does follows from the place
     bool wants_footprint; // of one of its textures
     bool plain;           // diffuse, of one colour
@@ -70,6 +74,7 @@ struct sag_world {
     sagi_list pictures;    // sagi_picture
     sagi_list textures;    // sagi_texture
     sagi_list materials;   // sagi_material
+    sagi_list coats;       // sagi_coat
     sagi_list media;       // sagi_medium
     sagi_list lights;      // sag_light
     sagi_list appearances; // sagi_appearance
@@ -99,6 +104,10 @@ static inline sagi_spectrum sagi_input_spectrum(const sag_world *world, const sa
 }
 // An input that is no texture, made ready, and as RGB.
 sagi_color sagi_input_color(const sag_world *world, const sag_input *input, sagi_rgb_use use);
+// The same for materials and textures, of which there may be a million: exact not now, but when all of them
+// are, on all threads.
+sagi_color sagi_input_color_soon(const sag_world *world, const sag_input *input, sagi_rgb_use use);
+void sagi_world_solve_colors(sag_world *world);
 sag_rgb sagi_input_plain(const sag_world *world, const sag_input *input);
 // NULL for an id that is none.
 const sagi_spectrum_entry *sagi_spectrum_of(const sag_world *world, sag_spectrum_id id);

@@ -7,6 +7,8 @@
 // that no square overflows.
 #include "scene/scene.h"
 
+#include "math/affine_inverse.h"
+
 // One Jacobi rotation that makes s[p][q] zero (Golub & Van Loan, "Matrix Computations", §8.5).
 static void rotate(double s[3][3], int p, int q) {
     if (s[p][q] == 0) return;
@@ -46,7 +48,7 @@ void sagi_affine_stretch(const sag_affine *a, double *least, double *most, bool 
 bool sagi_place_make(const sag_affine *to_scene, sagi_place *place) {
     sagi_place p = {.to_scene = *to_scene};
     if (!sag_affine_inverse(to_scene, &p.to_object)) return false;
-    p.mirrored = sag_affine_determinant(to_scene) < 0;
+    p.mirrored = sagi_affine_is_mirror(to_scene);
     sagi_affine_stretch(to_scene, &p.stretch_min, &p.stretch_max, &p.similarity);
     *place = p;
     return true;

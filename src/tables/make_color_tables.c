@@ -30,7 +30,7 @@ static void expand(const char *lamp_name, float illuminant[SAGI_WAVELENGTH_COUNT
     }
 }
 
-static void fill_column(const sagi_color_space *space, int largest, int y, int x, int from, int to) {
+static void fill_column(const sagi_color_solver *solver, int largest, int y, int x, int from, int to) {
     double c[3] = {0, 0, 0};
     for (int z = from; z != to; z += from < to ? 1 : -1) {
         // Black has no coefficients, but c √z has a limit.
@@ -39,7 +39,7 @@ static void fill_column(const sagi_color_space *space, int largest, int y, int x
         rgb[largest] = value;
         rgb[(largest + 1) % 3] = value * x / (RATIOS - 1.0);
         rgb[(largest + 2) % 3] = value * y / (RATIOS - 1.0);
-        sagi_color_solve(space, STEP_NM, rgb, c);
+        sagi_color_solve(solver, rgb, c);
         for (int k = 0; k < 3; k++) table[largest][z][y][x][k] = (float)(c[k] * sqrt(value));
     }
 }
@@ -102,11 +102,13 @@ int main(int argc, char **argv) {
     }
     fprintf(file, "};\n\nconst sagi_color_table sagi_color_tables[SAGI_COLOR_SPACE_COUNT] = {\n");
     for (int i = 0; i < SAGI_COLOR_SPACE_COUNT; i++) {
+        sagi_color_solver solver;
+        sagi_color_solver_init(&solver, &spaces[i], STEP_NM);
         for (int largest = 0; largest < 3; largest++)
             for (int y = 0; y < RATIOS; y++)
                 for (int x = 0; x < RATIOS; x++) {
-                    fill_column(&spaces[i], largest, y, x, LEVELS / 3, LEVELS);
-                    fill_column(&spaces[i], largest, y, x, LEVELS / 3, -1);
+                    fill_column(&solver, largest, y, x, LEVELS / 3, LEVELS);
+                    fill_column(&solver, largest, y, x, LEVELS / 3, -1);
                 }
         fprintf(file, "{");
         for (int largest = 0; largest < 3; largest++) {

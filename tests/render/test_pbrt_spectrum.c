@@ -103,6 +103,42 @@ static void spectra_of_all_kinds(void **state) {
     sag_world_destroy(world);
 }
 
+// While a scene is read its materials' colours are near; before a render all of them are exact, also those of
+// many materials, which threads share.
+static void colors_of_many_materials_are_exact(void **state) {
+    (void)state;
+    static char text[120000];
+    size_t at = (size_t)snprintf(text, sizeof text,
+                                 "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 " W);
+    for (int i = 0; i < 700; i++)
+        at += (size_t)snprintf(text + at, sizeof text - at,
+                               "Material \"diffuse\" \"rgb reflectance\" [%g %g %g]\n", i % 10 * 0.1,
+                               i / 10 % 10 * 0.1, i / 100 * 0.1);
+    snprintf(text + at, sizeof text - at,
+             "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.1 .5 .9] Shape \"sphere\"");
+    sag_world *world = scene_load_good(text);
+    sag_render *render = sag_render_create(world, NULL);
+    assert_non_null(render);
+    for (size_t i = 0; i < 700; i++) {
+        const sagi_material *m = (const sagi_material *)world->materials.items + i;
+        const sagi_color exact =
+            sagi_color_of_rgb(SAG_COLOR_SRGB, m->material.reflectance.value, SAGI_RGB_ALBEDO);
+        assert_true(!m->reflectance.near && m->reflectance.curved == exact.curved);
+        assert_memory_equal(m->reflectance.c, exact.c, sizeof exact.c);
+        const sag_rgb back = sagi_color_to_rgb(&exact, SAG_COLOR_SRGB, false),
+                      is = m->material.reflectance.value;
+        const bool has_one = fmin(is.r, fmin(is.g, is.b)) >= 0.05; // others may be too pure for a reflectance
+        assert_true(!has_one ||
+                    (fabs(back.r - is.r) < 1e-5 && fabs(back.g - is.g) < 1e-5 && fabs(back.b - is.b) < 1e-5));
+    }
+    const sagi_texture *texture = world->textures.items;
+    const sagi_color exact = sagi_color_of_rgb(SAG_COLOR_SRGB, (sag_rgb){.1, .5, .9}, SAGI_RGB_UNBOUNDED);
+    assert_true(!texture->colors[0][0].near && !texture->colors[1][0].near);
+    assert_memory_equal(texture->colors[1][0].c, exact.c, sizeof exact.c);
+    sag_render_destroy(render);
+    sag_world_destroy(world);
+}
+
 static void files_and_faults(void **state) {
     (void)state;
     const char good[] = "# a lamp\n400 1\n500 3 600 2\n";
@@ -137,9 +173,8 @@ static void files_and_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lights_by_wavelength),
-        cmocka_unit_test(colors_in_their_spaces),
-        cmocka_unit_test(spectra_of_all_kinds),
+        cmocka_unit_test(lights_by_wavelength), cmocka_unit_test(colors_in_their_spaces),
+        cmocka_unit_test(spectra_of_all_kinds), cmocka_unit_test(colors_of_many_materials_are_exact),
         cmocka_unit_test(files_and_faults),
     };
     return cmocka_run_group_tests(tests, scene_setup, scene_teardown);

@@ -129,6 +129,7 @@ static void to_have_an_inverse_is_to_find_one(void **state) {
                 if (rng_one_in(&r, 3)) a.m[k / 3][k % 3] = 0;
         const bool has = sag_affine_inverse(&a, &inverse);
         assert_true(sagi_affine_has_inverse(&a) == has);
+        assert_true(sagi_affine_is_mirror(&a) == (sag_affine_determinant(&a) < 0));
         with += has, without += !has;
     }
     assert_true(with > 5000 && without > 3000);
