@@ -88,6 +88,26 @@ static sag_status add_mesh(sagi_pbrt *p, const sagi_mesh_data *data, const doubl
     return status;
 }
 
+// The area by which pbrt-v4 shares a power out: that of nine pieces taken for flat, 0.2 % less than the whole
+// where a side is bent by a fifth of its length.
+static double area_for_power(const sag_bilinear_patch *patch) {
+    enum { PIECES = 3 };
+    sag_vec3 p[PIECES + 1][PIECES + 1];
+    double area = 0;
+    for (int i = 0; i <= PIECES; i++)
+        for (int j = 0; j <= PIECES; j++) {
+            const double u = (double)i / PIECES, v = (double)j / PIECES;
+            const sag_vec3 low = sag_madd(patch->p00, u, sag_sub(patch->p10, patch->p00)),
+                           high = sag_madd(patch->p01, u, sag_sub(patch->p11, patch->p01));
+            p[i][j] = sag_madd(low, v, sag_sub(high, low));
+        }
+    for (int i = 0; i < PIECES; i++)
+        for (int j = 0; j < PIECES; j++)
+            area += 0.5 * sag_length(sag_cross(sag_sub(p[i + 1][j + 1], p[i][j]),
+                                               sag_sub(p[i + 1][j], p[i][j + 1])));
+    return area;
+}
+
 static sag_status add_patch(sagi_pbrt *p, const sagi_mesh_data *data, const double *indices, size_t face) {
     size_t corners[4];
     sag_vec3 points[4], placed[4];
@@ -110,7 +130,7 @@ static sag_status add_patch(sagi_pbrt *p, const sagi_mesh_data *data, const doub
     p->corner_uv = data->texcoords ? &uv[0] : NULL;
     const sag_status status =
         sagi_pbrt_add(p, SAG_SHAPE_BILINEAR_PATCH, &patch,
-                      p->state.area_light.on ? sag_bilinear_patch_area(&there) : 0, &p->state.ctm);
+                      p->state.area_light.on ? area_for_power(&there) : 0, &p->state.ctm);
     p->corner_uv = NULL;
     return status;
 }

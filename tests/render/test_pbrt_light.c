@@ -177,6 +177,11 @@ static void test_area_lights(void **state) {
                  b = (double)sagi_emission(look_of(world, 0), &other, up, lambda)[0];
     assert_true(fabs(a / b - 5) < 1e-5);
     sag_world_destroy(world);
+    // A bent patch has the area of nine flat pieces there, 2.45557; its own is 2.46005.
+    world = scene_load_good(W "AreaLightSource \"diffuse\" \"float power\" 12\n"
+                              "Shape \"bilinearmesh\" \"point3 P\" [-1 2 0 1 2.4 0 -1 2.2 1 1 1.9 1.4]\n");
+    near(look_of(world, 0)->look.emission.g, 12 / (PI * 2.455571703195186));
+    sag_world_destroy(world);
     world = scene_load_good(W "AreaLightSource \"diffuse\" \"float power\" 3\n"
                               "Shape \"disk\" \"float radius\" 1e-200\n");
     assert_non_null(strstr(scene_warnings, "without area"));
