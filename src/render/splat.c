@@ -61,6 +61,27 @@ static void spread(sag_render *render, sag_vec2 place, sag_rgb value) {
     }
 }
 
+// A picture of all around has no rim: the filters of its outermost pixels reach into directions that are
+// elsewhere on the film. So a place near the rim is also these beside the film, as sagi_camera_ray has them.
+static void spread_around(sag_render *render, sag_vec2 p, sag_rgb value) {
+    const double w = render->camera.width, h = render->camera.height;
+    const double rx = render->filter.radius_x, ry = render->filter.radius_y;
+    const bool all_longitudes = render->settings.camera.kind == SAG_CAMERA_ENVIRONMENT;
+    const bool side = p.x < rx || p.x > w - rx, end = p.y < ry || p.y > h - ry;
+    const double beside = p.x < w / 2 ? p.x + w : p.x - w, over = p.y < h / 2 ? -p.y : 2 * h - p.y;
+    if (all_longitudes) {
+        // One longitude after the other, and over the poles to the opposite one.
+        if (side) spread(render, (sag_vec2){beside, p.y}, value);
+        for (int turn = -2; turn < 2 && end; turn++)
+            spread(render, (sag_vec2){p.x + w / 2 + turn * w, over}, value);
+        return;
+    }
+    // Each edge is folded in its middle; over both edges of a corner one comes in at the opposite one.
+    if (side) spread(render, (sag_vec2){p.x < w / 2 ? -p.x : 2 * w - p.x, h - p.y}, value);
+    if (end) spread(render, (sag_vec2){w - p.x, over}, value);
+    if (side && end) spread(render, (sag_vec2){beside, p.y < h / 2 ? p.y + h : p.y - h}, value);
+}
+
 void sagi_splat_add(sag_render *render, const sagi_path *path, sag_vec2 place, sagi_spectrum light) {
     sag_rgb value = sagi_sensor_measure(&render->sensor, light, &path->wavelengths);
     if (!sagi_rgb_is_finite(value)) {
@@ -72,10 +93,8 @@ void sagi_splat_add(sag_render *render, const sagi_path *path, sag_vec2 place, s
     const double most = render->max_component * pixels, largest = sagi_rgb_max(value);
     if (largest > most) value = sagi_rgb_scale(value, most / largest);
     spread(render, place, value);
-    // All around is one longitude after the other: the picture's ends meet.
-    if (render->settings.camera.kind != SAG_CAMERA_ENVIRONMENT) return;
-    const double width = render->camera.width;
-    spread(render, (sag_vec2){place.x + (place.x < width / 2 ? width : -width), place.y}, value);
+    const sag_camera_kind kind = render->settings.camera.kind;
+    if (kind == SAG_CAMERA_ENVIRONMENT || kind == SAG_CAMERA_EQUAL_AREA) spread_around(render, place, value);
 }
 
 sag_rgb sagi_splat_value(const sag_render *render, size_t pixel) {

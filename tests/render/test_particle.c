@@ -192,6 +192,39 @@ static void every_camera_agrees(void **state) {
     }
 }
 
+// Within a ball that shines inside, particles show every pixel of a picture of all around as bright as the
+// ball is, the rim's too, where wide filters reach beyond the film (they were darker); and all of it together
+// to less than 1 %: nothing but the lamp's direct way to the camera is there.
+static void a_lamp_all_around_is_as_bright_everywhere(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        studio s = studio_open(2);
+        s.settings->camera.kind = kind ? SAG_CAMERA_EQUAL_AREA : SAG_CAMERA_ENVIRONMENT;
+        studio_aim(&s, (sag_vec3){0, 0, 0}, (sag_vec3){0.3, 0.2, -1});
+        s.settings->film.width = s.settings->film.height = 16;
+        s.settings->film.filter = SAG_FILTER_BOX;
+        s.settings->film.filter_radius_x = s.settings->film.filter_radius_y = 2.5;
+        s.settings->integrator = SAG_INTEGRATOR_LIGHTPATH;
+        s.settings->samples_per_pixel = 4000;
+        s.settings->max_depth = 0;
+        const uint32_t ball = sag_add_sphere(s.scene, &(sag_sphere){.radius = 3});
+        sag_world_set_appearance(s.world, s.scene, ball,
+                                 &(sag_appearance){.emission = {1, 1, 1}, .two_sided = true});
+        sag_image image = studio_render(&s, NULL);
+        double sum = 0;
+        for (int i = 0; i < 16 * 16; i++) {
+            const double value = (double)image.pixels[3 * i];
+            if (!(fabs(value - 1) < 0.15)) print_message("camera %d, pixel %d: %g\n", kind, i, value);
+            assert_true(fabs(value - 1) < 0.15);
+            sum += value / (16 * 16);
+        }
+        // Near the poles of longitudes few particles bring much.
+        assert_true(fabs(sum - 1) < 0.008);
+        sag_image_clear(s.context, &image);
+        studio_close(&s);
+    }
+}
+
 // A rough pane of glass and a veil with holes in the way, a lacquered ball of few triangles with round
 // normals.
 static void every_surface_agrees(void **state) {
@@ -301,9 +334,13 @@ static void bright_paths_are_no_fireflies(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_light_agrees),   cmocka_unit_test(every_camera_agrees),
-        cmocka_unit_test(every_surface_agrees), cmocka_unit_test(threads_change_no_bit),
-        cmocka_unit_test(a_crop_is_as_bright),  cmocka_unit_test(bright_paths_are_no_fireflies),
+        cmocka_unit_test(every_light_agrees),
+        cmocka_unit_test(every_camera_agrees),
+        cmocka_unit_test(every_surface_agrees),
+        cmocka_unit_test(a_lamp_all_around_is_as_bright_everywhere),
+        cmocka_unit_test(threads_change_no_bit),
+        cmocka_unit_test(a_crop_is_as_bright),
+        cmocka_unit_test(bright_paths_are_no_fireflies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
