@@ -164,6 +164,53 @@ static void materials_read_their_inputs(void **state) {
     room_close(&r);
 }
 
+// Which of its materials a mix is, by place and direction: χ² of the shares in cells of both, and of how
+// often neighbours in a fine lattice are both the second one, for a mix and a mix of mixes.
+static void mixes_choose_by_their_amounts(void **state) {
+    (void)state;
+    enum { CELLS = 8, WAYS = 4, SIDE = 64 };
+    room r = room_open();
+    sag_surface surface = {.geometric_normal = {0, 0, 1}, .shading_normal = {0, 0, 1}, .dpdu = {1, 0, 0}};
+    const sagi_spectrum lambda = {450, 530, 600, 700};
+    const sag_material kinds[] = {{.kind = SAG_MATERIAL_DIFFUSE},
+                                  {.kind = SAG_MATERIAL_CONDUCTOR, .reflectance.value = {0.5, 0.5, 0.5}},
+                                  {.kind = SAG_MATERIAL_DIFFUSE_TRANSMISSION}};
+    for (uint32_t i = 0; i < 3; i++) assert_int_equal(sag_world_add_material(r.world, &kinds[i]), i + 1);
+    const sag_material mixes[] = {
+        {.kind = SAG_MATERIAL_MIX, .materials = {1, 2}, .amount.value = {0.3, 0, 0}},
+        {.kind = SAG_MATERIAL_MIX, .materials = {3, 4}, .amount.value = {0.6, 0, 0}},
+        {.kind = SAG_MATERIAL_MIX, .materials = {1, 2}, .amount.value = {0.96, 0, 0}}};
+    const double shares[] = {0.3, 0.6 * 0.3, 0.96}; // of the conductor
+    for (uint32_t m = 0; m < 3; m++) {
+        const sagi_appearance look = {.look.material = sag_world_add_material(r.world, &mixes[m])};
+        const double p = shares[m];
+        double chi2 = 0;
+        uint32_t pairs = 0, all = 0;
+        for (int way = 0; way < WAYS; way++) {
+            const sag_vec3 wo = sag_normalize(sag_vec3_make(cos(2.0 * way), sin(2.0 * way), 0.3 + way));
+            uint32_t met[CELLS] = {0};
+            for (int y = 0; y < SIDE; y++)
+                for (int x = 0, before = 0; x < SIDE; x++) {
+                    sagi_bsdf bsdf;
+                    surface.position = sag_vec3_make(0.001 * x, 0.001 * y, 0);
+                    assert_true(
+                        sagi_material_evaluate(r.world, &look, &surface, NULL, NULL, wo, lambda, &bsdf));
+                    const int second = bsdf.kind == SAG_MATERIAL_CONDUCTOR;
+                    met[y * CELLS / SIDE] += (uint32_t)second;
+                    pairs += (uint32_t)(second && before);
+                    all += x > 0;
+                    before = second;
+                }
+            const double n = SIDE * SIDE / CELLS;
+            for (int i = 0; i < CELLS; i++) chi2 += (met[i] - n * p) * (met[i] - n * p) / (n * p * (1 - p));
+        }
+        // 32 degrees of freedom: beyond 73 once in 20,000; of pairs next to each other two thirds more vary.
+        assert_true(chi2 > 8 && chi2 < 73);
+        assert_true(fabs(pairs - all * p * p) < 5 * sqrt(3 * all * p * p * (1 - p)));
+    }
+    room_close(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_bilinear_from_the_bottom),
@@ -171,6 +218,7 @@ int main(void) {
         cmocka_unit_test(checkerboards_alternate),
         cmocka_unit_test(textures_combine),
         cmocka_unit_test(materials_read_their_inputs),
+        cmocka_unit_test(mixes_choose_by_their_amounts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
