@@ -80,6 +80,13 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
     return answer;
 }
 
+// Which one it is.
+SAGI_INLINE sagi_bvh_reference sphere_reference(const sagi_block *block, uint32_t lane) {
+    const uint32_t number = sagi_sphere_primitives(block)[lane];
+    const bool lone = block->geometry == SAGI_LONE_SPHERES;
+    return (sagi_bvh_reference){lone ? number : block->geometry, lone ? 0 : number};
+}
+
 // Centre and radius of a block's sphere.
 SAGI_INLINE sagi_d4 sphere_at(const sagi_world *world, const sagi_block *block, sagi_bvh_reference r) {
     const void *shape = world->items[r.geometry].shape;
@@ -89,13 +96,28 @@ SAGI_INLINE sagi_d4 sphere_at(const sagi_world *world, const sagi_block *block, 
 
 // One sphere by itself.
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane) {
-    const sagi_bvh_reference r = sagi_block_reference(block, lane);
+    const sagi_bvh_reference r = sphere_reference(block, lane);
     SAGI_KERNEL_COUNT(solved);
     double t[2];
     int found = sagi_sphere_solve(sphere_at(here->world, block, r), here->ray, here->t_max, asked != ALL, t);
     for (int i = 0; i < found; i++)
         if (accept(asked, here, r.geometry, r.primitive, t[i], 0, 0)) return true;
     return false;
+}
+
+// The only hit there is, as settle_last has it for triangles. False: that is not to be told so simply.
+static __attribute__((noinline)) bool last_sphere(level *here, const candidate *c) {
+    search *s = here->search;
+    const sagi_bvh_reference r = sphere_reference(c->block, c->lane);
+    double t;
+    if (!sagi_sphere_first(sphere_at(here->world, c->block, r), here->ray, &t) || !(t >= here->ray->t_min) ||
+        !(t <= here->t_max))
+        return false;
+    SAGI_KERNEL_COUNT(solved);
+    write_hit(s, r.geometry, r.primitive, t, 0, 0, s->best);
+    s->found = s->odd = true, s->near = false;
+    here->t_max = t + room_of(s, t);
+    return true;
 }
 
 // Those of these lanes whose geometry the ray sees.

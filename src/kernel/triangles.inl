@@ -231,6 +231,7 @@ static __attribute__((noinline)) bool certain_triangle(question asked, level *he
 }
 
 static inline bool sphere(question asked, level *here, const sagi_block *block, uint32_t lane);
+static bool last_sphere(level *here, const candidate *c);
 
 // CLOSEST: finds t, u and v of the candidates that may still be the nearest.
 static __attribute__((noinline)) void settle(level *here) {
@@ -250,7 +251,9 @@ SAGI_INLINE void settle_last(level *here) {
     search *s = here->search;
     const candidate *c = &here->candidates[0];
     if (here->candidate_count != 1 || s->found || c->block->kind != SAGI_BLOCK_TRIANGLES) {
-        settle(here);
+        if (here->candidate_count != 1 || s->found || c->block->kind != SAGI_BLOCK_SPHERES ||
+            !last_sphere(here, c))
+            settle(here);
         return;
     }
     const sagi_item *item = item_of(here, c->block);

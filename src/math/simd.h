@@ -136,6 +136,11 @@ SAGI_INLINE double sagi_d4_sum3(sagi_d4 a) {
     xy = _mm_add_sd(xy, _mm_unpackhi_pd(xy, xy));
     return _mm_cvtsd_f64(_mm_add_sd(xy, _mm256_extractf128_pd((__m256d)a, 1)));
 }
+// The last two lanes first, then the first two.
+SAGI_INLINE sagi_d4 sagi_d4_turn(sagi_d4 a) {
+    return (sagi_d4)_mm256_permute2f128_pd((__m256d)a, (__m256d)a, 1);
+}
+SAGI_INLINE double sagi_d4_first(sagi_d4 a) { return _mm_cvtsd_f64(_mm256_castpd256_pd128((__m256d)a)); }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a); }
 SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) { // of any alignment
@@ -201,6 +206,8 @@ SAGI_INLINE sagi_d4 sagi_d4_load3(const double *p) { return (sagi_d4){p[0], p[1]
 SAGI_INLINE sagi_d4 sagi_d4_load3_float(const float *p) { return (sagi_d4){p[0], p[1], p[2], 0}; }
 SAGI_INLINE sagi_d4 sagi_d4_load4_float(const float *p) { return (sagi_d4){p[0], p[1], p[2], p[3]}; }
 SAGI_INLINE double sagi_d4_sum3(sagi_d4 a) { return (a[0] + a[1]) + a[2]; }
+SAGI_INLINE sagi_d4 sagi_d4_turn(sagi_d4 a) { return (sagi_d4){a[2], a[3], a[0], a[1]}; }
+SAGI_INLINE double sagi_d4_first(sagi_d4 a) { return a[0]; }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) {
     return (sagi_f4){(float)a[0], (float)a[1], (float)a[2], (float)a[3]};
 }

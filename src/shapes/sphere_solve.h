@@ -83,11 +83,61 @@ SAGI_INLINE bool sagi_sphere_polish(const sagi_sphere_line *line, double t_min, 
     return false;
 }
 
+// The first crossing where the ray begins outside and comes closer, so that t₀ = (−b − √D)/a, and where one
+// step makes it certain to an ulp; so it is mostly. Then whether it is in range is the caller's question.
+// False: it is not to be told so simply, if there is one.
+//
+// The chain of operations is kept short: 1/a and 1/b are at hand by the time they are wanted; F is summed in
+// pairs, (x² + z²) + (y² − r²), each sum with its exact error; and of the root of a s² + 2 b s + F, with
+// x = a F/b², only −F/2b · (1 + x/4 + x²/8 + …) two terms are taken: the rest, where x ≤ 2⁻¹⁶, is 2⁻³⁴ of it;
+// b's own error may be 2⁻³⁰·⁷, and 2⁻²⁹ stands for all.
+SAGI_INLINE bool sagi_sphere_first(sagi_d4 at, const sag_ray *ray, double *root) {
+    const sagi_l4 three = {-1, -1, -1, 0}, sign = {0, INT64_MIN, 0, 0};
+    const sagi_d4 origin =
+        sagi_d4_select(three, sagi_d4_load((const char *)ray + offsetof(sag_ray, origin)), at + at);
+    const sagi_d4 d =
+        (sagi_d4)(three & (sagi_l4)sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)));
+    const sagi_d4 l = origin - at, squares = l * l;
+    const double a = sagi_d4_sum3(d * d), b = sagi_d4_sum3(l * d), ll = sagi_d4_sum3(squares);
+    const double rr = squares[3], c = ll - rr, size = ll + rr, d2 = b * b - a * c;
+    const bool usual = a > 0x1p-120 && a < 0x1p120 && rr > 0x1p-200 && size < 0x1p250;
+    const double c_error = 8 * SAGI_EPSILON * size, d2_error = 32 * SAGI_EPSILON * a * size;
+    if (!(usual && ray->t_min >= 0 && c > c_error && b < 0 && d2 > 64 * d2_error)) return false;
+    double t = (-b - sqrt(d2)) * (1 / a);
+
+    // As in sagi_sphere_residual.
+    const sagi_d4 time = sagi_d4_fill(t), l_low = sagi_sum_error(origin, -at, l);
+    const sagi_d4 td = time * d, td_low = sagi_d4_product_error(time, d, td);
+    const sagi_d4 p = l + td, p_low = sagi_sum_error(l, td, p), low = p_low + (l_low + td_low);
+    const sagi_d4 square = p * p, square_low = sagi_d4_product_error(p, p, square);
+    const sagi_d4 rest = square_low + low * (2 * p + low);
+    const double slope = sagi_d4_sum3(p * d), reach = sagi_d4_sum3(sagi_d4_abs(l) + sagi_d4_abs(td));
+    const double width = sagi_d4_sum3(sagi_d4_abs(p));
+    const sagi_d4 other = (sagi_d4)((sagi_l4)sagi_d4_turn(square) ^ sign), pair = square + other;
+    const sagi_d4 pair_low =
+        (rest + (sagi_d4)((sagi_l4)sagi_d4_turn(rest) ^ sign)) + sagi_sum_error(square, other, pair);
+    const sagi_dd sum = sagi_two_sum(sagi_d4_first(pair), pair[1]);
+    const double value = sum.hi + ((sagi_d4_first(pair_low) + pair_low[1]) + sum.lo);
+    const double value_error = 0x1p-98 * (width * reach + rr), value_size = fabs(value);
+
+    const double half = -0.5 / slope, ss = slope * slope, newton = value * half;
+    const double step = newton + newton * (newton * (a * half));
+    t += step;
+    *root = t;
+    return slope < 0 && ss >= 0x1p-40 * a * (rr + value_size) &&
+           a * (value_size + value_error) <= ss * 0x1p-16 &&
+           1.5 * value_error * half + fabs(step) * 0x1p-29 <= SAGI_EPSILON * t;
+}
+
 // The crossings in [ray->t_min, t_max] in order, or only the first one: returns how many were written. `at`
 // is the centre and the radius; the ray's own t_max is not looked at.
 SAGI_INLINE int sagi_sphere_solve(sagi_d4 at, const sag_ray *ray, double t_max, bool nearest, double t[2]) {
     const sagi_l4 three = {-1, -1, -1, 0};
     const double t_min = ray->t_min, radius = at[3];
+    double first = 0;
+    const bool known = sagi_sphere_first(at, ray, &first);
+    if (known && first > t_max) return 0;
+    if (known && nearest && first >= t_min) return t[0] = first, 1;
     sagi_sphere_line line;
     line.center = at;
     line.origin = sagi_d4_select(three, sagi_d4_load((const char *)ray + offsetof(sag_ray, origin)), at + at);
@@ -113,7 +163,8 @@ SAGI_INLINE int sagi_sphere_solve(sagi_d4 at, const sag_ray *ray, double t_max, 
         int count = 0;
         bool near = !(t0 + slack < t_min) && !(forward && c < -c_error), certain = true;
         if (near) {
-            certain = sagi_sphere_polish(&line, t_min, t_max, -1, &t0);
+            certain = known || sagi_sphere_polish(&line, t_min, t_max, -1, &t0);
+            if (known) t0 = first;
             if (certain && t0 >= t_min && t0 <= t_max && !isinf(t0)) t[count++] = t0;
             if (certain && nearest && count == 1) return 1;
         }

@@ -44,6 +44,9 @@ static inline sagi_ball sagi_sphere_ball(const sag_sphere *s) {
 // The same as the lanes of a vector, of a sphere that is known to be there.
 SAGI_INLINE sagi_d4 sagi_spheres_load(const sag_spheres *s, uint32_t i) {
     size_t at = (size_t)i * 3;
+    if (s->radii_f32 && s->centers_f32)
+        return sagi_f4_to_d4(
+            (sagi_f4){s->centers_f32[at], s->centers_f32[at + 1], s->centers_f32[at + 2], s->radii_f32[i]});
     double radius = s->radii_f32 ? (double)s->radii_f32[i] : s->radius;
     if (s->centers_f64)
         return (sagi_d4){s->centers_f64[at], s->centers_f64[at + 1], s->centers_f64[at + 2], radius};
