@@ -88,7 +88,8 @@ static void read_mix(sagi_pbrt *p, sag_material *m) {
         return;
     }
     for (uint32_t i = 0; i < 2 && params->status == SAG_OK; i++) {
-        const sagi_slice name = params->strings[materials->first_string + i];
+        char room[SAGI_MAX_NAME];
+        const sagi_slice name = sagi_params_name(params, materials->first_string + i, room);
         const int length = (int)(name.length < 100 ? name.length : 100);
         const bool made = sagi_pbrt_is_made(&p->materials, name);
         if (!made && p->naming)
@@ -187,8 +188,11 @@ static bool waits(sagi_pbrt *p, const sag_material *material) {
     if (material->kind != SAG_MATERIAL_MIX || p->naming) return false;
     const sagi_param *names = sagi_params_find(&p->params, "materials", SAGI_TYPE_STRING);
     bool waits = false;
-    for (uint32_t i = 0; i < 2; i++)
-        waits |= !sagi_pbrt_is_made(&p->materials, p->params.strings[names->first_string + i]);
+    for (uint32_t i = 0; i < 2; i++) {
+        char room[SAGI_MAX_NAME];
+        const sagi_slice name = sagi_params_name(&p->params, names->first_string + i, room);
+        waits |= !sagi_pbrt_is_made(&p->materials, name);
+    }
     return waits;
 }
 

@@ -187,7 +187,8 @@ static sag_texture_id texture_of(sagi_pbrt *p, const sagi_param *param, sagi_nam
         sagi_params_fail(params, param, "the name of one texture expected");
         return 0;
     }
-    const sagi_slice name = params->strings[param->first_string];
+    char room[SAGI_MAX_NAME];
+    const sagi_slice name = sagi_params_name(params, param->first_string, room);
     if (!sagi_pbrt_find(p, first, name, &id) && !sagi_pbrt_find(p, second, name, &id)) {
         const sag_status status = sagi_pbrt_promise(p, param->place, first, name, &id);
         if (status != SAG_OK) params->status = status;

@@ -382,6 +382,18 @@ void sagi_params_string(sagi_params *params, const char *name, const char *other
     text[length] = '\0';
 }
 
+sagi_slice sagi_params_name(const sagi_params *params, size_t string, char room[SAGI_MAX_NAME]) {
+    const sagi_slice value = params->strings[string];
+    // One that is too long is no name: nothing has been given one.
+    if (value.length > SAGI_MAX_NAME || !memchr(value.text, '\\', value.length)) return value;
+    size_t length = 0;
+    for (size_t i = 0; i < value.length; i++) {
+        if (value.text[i] == '\\' && i + 1 < value.length) i++;
+        room[length++] = value.text[i];
+    }
+    return (sagi_slice){room, length};
+}
+
 bool sagi_params_triple(sagi_params *params, const char *name, double triple[3]) {
     const double *value =
         find_numbers(params, name, SAGI_TYPE_POINT3 | SAGI_TYPE_VECTOR3 | SAGI_TYPE_NORMAL, 3);

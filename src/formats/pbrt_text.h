@@ -112,6 +112,10 @@ bool sagi_params_bool(sagi_params *params, const char *name, bool otherwise);
 void sagi_params_string(sagi_params *params, const char *name, const char *otherwise, char *text,
                         size_t size);
 // Three numbers of a point, vector or normal.
+// The list's string of that number, escapes undone: itself where it has none, else in `room`, which is to be
+// as long as the longest name.
+#define SAGI_MAX_NAME 1024
+sagi_slice sagi_params_name(const sagi_params *params, size_t string, char room[SAGI_MAX_NAME]);
 bool sagi_params_triple(sagi_params *params, const char *name, double triple[3]);
 // All numbers of a parameter, a multiple of `group`; NULL and count 0 when it is not there.
 const double *sagi_params_numbers(sagi_params *params, const char *name, unsigned types, size_t group,

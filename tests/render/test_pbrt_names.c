@@ -124,6 +124,18 @@ static void circles_end(void **state) {
     scene_fails(text, 2, 30, "nest too deep");
 }
 
+// What is defined as "a\"b" is used as that: escapes are undone in both.
+static void names_with_escapes_are_found(void **state) {
+    (void)state;
+    sag_world *world =
+        scene_load_good("WorldBegin Texture \"a\\\"b\" \"spectrum\" \"constant\" \"rgb value\" [.8 .2 .2]\n"
+                        "Material \"diffuse\" \"texture reflectance\" \"a\\\"b\"\n"
+                        "MakeNamedMaterial \"m\\\\\" \"string type\" \"diffuse\"\n"
+                        "Material \"mix\" \"string materials\" [\"m\\\\\" \"m\\\\\"] Shape \"sphere\"");
+    assert_int_equal(scene_warning_count, 0);
+    sag_world_destroy(world);
+}
+
 static void memory_may_be_short(void **state) {
     (void)state;
     scene_fails_without_memory(
@@ -134,9 +146,8 @@ static void memory_may_be_short(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(either_order_is_right),
-        cmocka_unit_test(what_never_comes_is_an_error),
-        cmocka_unit_test(circles_end),
+        cmocka_unit_test(either_order_is_right), cmocka_unit_test(what_never_comes_is_an_error),
+        cmocka_unit_test(circles_end),           cmocka_unit_test(names_with_escapes_are_found),
         cmocka_unit_test(memory_may_be_short),
     };
     return cmocka_run_group_tests(tests, scene_setup, scene_teardown);
