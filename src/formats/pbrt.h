@@ -129,7 +129,9 @@ typedef struct sagi_pbrt {
     sagi_cursor files[SAGI_MAX_INCLUDE_DEPTH]; // being read, the innermost last
     bool is_import[SAGI_MAX_INCLUDE_DEPTH];
     int file_count;
+    int32_t seed; // Option's
     bool in_world;
+    bool naming; // the material that is being read gets a name
     sagi_state state, *saved;
     size_t saved_count, saved_allocated;
     sagi_attribute *attributes;
@@ -149,12 +151,10 @@ typedef struct sagi_pbrt {
     struct sagi_promise *promises; // pbrt_promise.c
     struct sagi_promised_instance *promised_instances;
     size_t promise_count, promise_allocated, promised_instance_count, promised_instance_allocated;
-    bool naming;                   // the material that is being read gets a name
     double image_distance;         // behind a lens (pbrt_lens.c), in the scene's unit; 0: there is none
     double lens_share;             // of radiance that a lens lets through to the film
     double film_diagonal;          // in mm
     sagi_place film_at, filter_at; // their directives
-    int32_t seed;                  // Option's
     const float (*corner_uv)[2];   // of the patch that is being added; NULL: none
     bool in_patches;               // the mesh that is being added is one of patches
     sag_scene *scene;              // shapes go there: the world's, an object's or a solid's
