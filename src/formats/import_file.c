@@ -187,5 +187,7 @@ static void on_close(struct aiFileIO *io, struct aiFile *file) {
 }
 
 struct aiFileIO sagi_import_files(const sag_context *context) {
-    return (struct aiFileIO){on_open, on_close, (aiUserData)(uintptr_t)context};
+    struct aiFileIO io = {on_open, on_close, NULL};
+    memcpy(&io.UserData, &context, sizeof context); // const, where the type has no room for that
+    return io;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Models that come without a scene: read whole and in order, staged so that the camera sees them; files that
-// are not what their name says, cut short or noise are an error that names them, soon and without much
-// memory.
+// are not what their name says, cut short or noise are an error that names them, soon, with little memory.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -33,15 +33,15 @@ typedef struct sag_material {
     sag_input coat_eta, coat_roughness_u, coat_roughness_v;
     /// Of a coat: its thickness in mean free paths of light (it takes 1 − exp(−thickness/cos) on the way; 0:
     /// clear), the share of that which it scatters (coat_albedo; 0: it absorbs all) with the mean cosine
-    /// coat_g, and how many times light is scattered below the coat's outside at most, by the base, the coat's
-    /// inside and what is between (0: as often as it likes). pbrt-v4's defaults are thickness 0.01 and 10
-    /// events. Where there is no formula the coat's scattering is itself found by following `samples` random
-    /// paths through it (0 counts as 1).
+    /// coat_g, and how many times light is scattered below the coat's outside at most, by the base, the
+    /// coat's inside and what is between (0: as often as it likes). pbrt-v4's defaults are thickness 0.01 and
+    /// 10 events. Where there is no formula the coat's scattering is itself found by following `samples`
+    /// random paths through it (0 counts as 1).
     sag_input thickness, coat_albedo, coat_g;
     uint32_t events, samples;
-    /// Of coats: lamps shine through as they do in pbrt-v4, whose sum over two ways of finding the light below
-    /// a rough coat is off by their weights (by +2 to +15 %; test_layered.c). For pictures that agree with
-    /// its; reciprocal and without loss only when not set.
+    /// Of coats: lamps shine through as they do in pbrt-v4, whose sum over two ways of finding the light
+    /// below a rough coat is off by their weights (by +2 to +15 %; test_layered.c). For pictures that agree
+    /// with its; reciprocal and without loss only when not set.
     bool lit_as_pbrt;
     bool roughness_is_root; ///< α is the square root of what roughness_u and roughness_v (of coats too) say
     uint32_t materials[2];  ///< of a mix, added before, neither an interface; mixes may be mixed
