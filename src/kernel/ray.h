@@ -50,6 +50,19 @@
 // and the product b r' by v|b r'| ≤ v(|P r'| + |N|): 4.1v|p| < 2⁻²¹|p| pays for those that go with P, and the
 // factor, at least 4.8v away from ρ, for those that go with N. That is the same bound in coarser coin: boxes
 // widened by 2⁻²¹ of the distance from the scene's middle.
+//
+// Where a ray comes to a block (block.h): begin, the τ that is handed on with it, is at least the calculated
+// entry of each coordinate, but for the last three bits of which it is robbed (2⁻²⁰ of it), and at most the
+// calculated exit of each. Those are off, the entry downwards and the exit upwards, by what the boxes are
+// widened by and by the roundings that this pays for: in the quick way, times |Dᵢ|, less than
+//     (10.1v + 2v)|b − P| + (8v + 5v)|P| + v|b| + 2⁻⁴⁰ + spread,
+// and 2⁻²⁰ begin|Dᵢ| ≤ 16v(|P| + 1.01), as the ray has left the scene by then. With |b| ≤ 1 and |P| ≤ 64 that
+// is below 43v · 65 + 2⁻³¹ < 2⁻¹²·⁵ in all: so far at most, and 2⁻²⁴ for the box's own rounding, does
+// P + begin·D lie outside the numbers that the block's grid has. In the careful way |P| ≤ 1 + 2δ, and the
+// factors are nearer to 1; a coordinate of small |Dᵢ| has (b − P)r ≤ begin + 2T(1 + 2⁻²⁰) + 1 + roundings, so
+// that it is outside by 2⁻⁴⁰(begin + 2T + 2) more at most, where begin ≤ 4.1 and T ≤ 4.1, since another |Dᵢ|
+// is at least ½. On a grid with lines 2⁻²⁶ apart both are less than 2¹⁴ steps; and 2⁻⁵ of its steps are 2⁻³¹,
+// which `error` stays below wherever the spread does. `finest` is that exponent, if error ≤ 2⁻³¹.
 #ifndef SAGI_KERNEL_RAY_H
 #define SAGI_KERNEL_RAY_H
 
@@ -85,10 +98,18 @@ typedef struct sagi_float_ray {
     sagi_f4 near_scale, near_add; // entry = plane · scale + add
     sagi_f4 far_scale, far_add;   // exit
     sagi_plane_order planes;
-    float from;         // a lower bound of the τ that matter, at least 0 and not −0
-    float t_max, limit; // lower and upper bound of τ of the ray's t_max
-    sagi_f4 direction;  // D, rounded
-    sagi_d4 p, d;       // P and D
+    float from;     // a lower bound of the τ that matter, at least 0 and not −0
+    int32_t finest; // with grids of this exponent and below (block.h), a block that the ray comes to at τ =
+                    // begin has P + begin·D at most 2¹⁴ steps outside, known to 2⁻⁵ steps; or −1
+    union {
+        struct {
+            float first_low, first_high; // lower and upper bound of τ of the ray's t_min,
+            float t_max, limit;          // and of its t_max
+        };
+        sagi_f4 times; // all four
+    };
+    sagi_f4 direction; // D, rounded
+    sagi_d4 p, d;      // P and D
     double error;
     double t_min;          // τ of the ray's t_min
     double start, unit[3]; // τ = t · unit[0] · unit[1] · unit[2] − start
@@ -121,21 +142,35 @@ static inline float time_floor(const sagi_float_ray *ray, double t) {
     return (float)(floor - fabs(floor) * 0x1p-22);
 }
 
+// An upper bound of τ at t.
+static inline float time_ceiling(const sagi_float_ray *ray, double t) {
+    double tau = scaled_time(ray, t);
+    if (isinf(tau)) return (float)tau;
+    double ceiling = (tau - ray->start) + 0x1p-48 * (fabs(tau) + fabs(ray->start)) + 0x1p-70;
+    return (float)(ceiling + fabs(ceiling) * 0x1p-22);
+}
+
 // (fmax and fmin of libm are calls, for the sake of NaN.)
 static inline double greater(double a, double b) { return a > b ? a : b; }
 static inline double lesser(double a, double b) { return a < b ? a : b; }
 static inline double largest_of_three(sagi_d4 a) { return greater(a[0], greater(a[1], a[2])); }
+
+// The exponent of the finest grid on which a ray that is known so well begins near every block.
+static inline int32_t finest_of(double error) { return error <= 0x1p-31 ? 26 : -1; }
 
 // What is left once P, D and everything per coordinate is there.
 static inline void finish(sagi_float_ray *out, const sag_ray *ray, double enter, double leave, double delta) {
     out->start = enter;
     // A t beyond the doubles, as very short directions have it, is no hit.
     out->t_min = scaled_time(out, greater(ray->t_min, -DBL_MAX)) - enter;
+    out->first_low = time_floor(out, greater(ray->t_min, -DBL_MAX));
+    out->first_high = time_ceiling(out, greater(ray->t_min, -DBL_MAX));
     out->from = 0;
     out->t_max = time_floor(out, lesser(ray->t_max, DBL_MAX));
     out->limit = sagi_float_ray_limit(out, ray->t_max);
     out->direction = sagi_d4_to_f4(out->d);
     out->error = delta + 0x1p-49 * (fabs(enter) + fabs(leave) + largest_of_three(sagi_d4_abs(out->p)) + 3);
+    out->finest = finest_of(out->error);
 }
 
 // For a ray so far away (2¹⁰⁰ times the scene's size) or with so long a direction that doubles say nothing
@@ -149,7 +184,8 @@ static inline void make_blind(sagi_float_ray *out) {
     out->p = out->d = sagi_d4_fill(0);
     out->direction = (sagi_f4){0, 0, 0, 0};
     out->error = INFINITY;
-    out->t_min = -INFINITY, out->t_max = -INFINITY, out->limit = INFINITY, out->from = 0;
+    out->t_min = -INFINITY, out->from = 0, out->finest = -1;
+    out->first_low = out->t_max = -INFINITY, out->first_high = out->limit = INFINITY;
     out->start = -INFINITY; // makes every limit infinite
 }
 
@@ -251,12 +287,18 @@ SAGI_INLINE sagi_ray_slabs take_quick_way(const sagi_world *world, const sag_ray
     out->far_scale = now.far_scale, out->far_add = now.far_add;
     out->planes = *now.planes;
     out->p = q, out->d = d * sagi_d4_fill(down), out->direction = raw * (float)down;
-    double first = ray->t_min * unit, last = ray->t_max * unit;
     out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
-    const float from = (float)(first * (1 - 0x1p-22));
-    out->t_min = first, out->from = now.from = from > 0 ? from : 0;
-    out->limit = (float)(last * (1 + 0x1p-22) + 0x1p-70), out->t_max = (float)(last * (1 - 0x1p-22));
-    out->error = 0x1p-43 + spread;
+    out->t_min = ray->t_min * unit;
+    // A product of doubles with powers of two, one rounding to float and two at most here (v each, less than
+    // 4v together): bounds, and t may be 4 ulp off.
+    const sagi_d4 range =
+        sagi_d4_load((const char *)ray + offsetof(sag_ray, direction.y)); // the last two of it
+    const sagi_d4 times = SAGI_D4_SHUFFLE2(range, range, 2, 2, 3, 3);
+    const sagi_f4 scales = {1 - 0x1p-22F, 1 + 0x1p-22F, 1 - 0x1p-22F, 1 + 0x1p-22F};
+    const sagi_f4 shifts = {-0x1p-70F, 0x1p-70F, -0x1p-70F, 0x1p-70F};
+    out->times = sagi_f4_fma(sagi_d4_to_f4(times * sagi_d4_fill(unit)), scales, shifts);
+    out->from = now.from = out->first_low > 0 ? out->first_low : 0;
+    out->error = 0x1p-43 + spread, out->finest = finest_of(out->error);
     return now;
 }
 

@@ -105,6 +105,7 @@ SAGI_INLINE sagi_f4 sagi_f4_max(sagi_f4 a, sagi_f4 b) {
 // a b + c, rounded once here and twice elsewhere: the bounds of the kernels hold for both.
 SAGI_INLINE sagi_f8 sagi_f8_fma(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return (sagi_f8)_mm256_fmadd_ps(a, b, c); }
 SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return (sagi_f8)_mm256_fmsub_ps(a, b, c); }
+SAGI_INLINE sagi_f4 sagi_f4_fma(sagi_f4 a, sagi_f4 b, sagi_f4 c) { return (sagi_f4)_mm_fmadd_ps(a, b, c); }
 // a < b ? a : b and a > b ? a : b
 SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_min_ps(a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_max_ps(a, b); }
@@ -185,6 +186,7 @@ SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, sagi_i8 from, uint32_t *chose
 
 SAGI_INLINE sagi_f8 sagi_f8_fma(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b + c; }
 SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b - c; }
+SAGI_INLINE sagi_f4 sagi_f4_fma(sagi_f4 a, sagi_f4 b, sagi_f4 c) { return a * b + c; }
 SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // Veltkamp and Dekker: dd.h
     const sagi_d4 splitter = sagi_d4_fill(0x1p27 + 1);
     sagi_d4 ta = splitter * a, tb = splitter * b, ah = ta - (ta - a), bh = tb - (tb - b);
