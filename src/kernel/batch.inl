@@ -204,7 +204,7 @@ SAGI_INLINE void all_leaves(question asked, crowd *c) {
         }
         SAGI_KERNEL_COUNT(blocks);
         f->block = block, f->block_begin = bits_float(f->begin);
-        bool met = meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, false, &f->answer);
+        bool met = meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, true, &f->answer);
         f->height--;
         f->after = f->children[f->height] >> 31;
         send(c, f, float_bits(f->begins[f->height]), f->children[f->height], met);

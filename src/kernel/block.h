@@ -19,6 +19,7 @@
 #define SAGI_KERNEL_BLOCK_H
 
 #include "bvh/bvh.h"
+#include <stddef.h>
 
 #define SAGI_LONE_SPHERES (SAGI_BVH_MIXED - 1)
 
@@ -38,14 +39,26 @@ typedef struct sagi_block {
 } sagi_block;
 _Static_assert(sizeof(sagi_block) == 16, "the primitives' numbers follow");
 
-// corner[i][k][j] is coordinate k of corner i of triangle j. Of a mirrored mesh the second and third corner
-// have changed places (leaf.inl). What is beyond count is 0.
+// A triangle's corners are a, b and c; of a mirrored mesh b and c have changed places (leaf.inl). Rows of
+// eight numbers, one a triangle, stand two by two, four numbers of the one and four of the other in turns: an
+// instruction that puts 16-bit numbers of two registers side by side then makes floats of a row at once
+// (sagi_f8_rows, simd.h). pair[k] are coordinate k of a and of b, pair[3] x and y of c; its z is alone. What
+// is beyond count is 0.
 typedef struct sagi_triangle_block {
     sagi_block head;
+    uint16_t last[SAGI_BVH_WIDTH];
     uint32_t primitive[SAGI_BVH_WIDTH];
-    uint16_t corner[3][3][SAGI_BVH_WIDTH];
+    uint16_t pair[4][2 * SAGI_BVH_WIDTH];
 } sagi_triangle_block;
 _Static_assert(sizeof(sagi_triangle_block) == 3 * SAGI_BVH_UNIT, "three cache lines");
+_Static_assert(offsetof(sagi_triangle_block, pair) == SAGI_BVH_UNIT, "no pair lies in two");
+
+// Where coordinate k of corner i of triangle j stands.
+static inline uint16_t *sagi_block_corner(sagi_triangle_block *block, int i, int k, int j) {
+    if (i == 2 && k == 2) return &block->last[j];
+    const int row = i == 2 ? 3 : k, second = i == 2 ? k : i;
+    return &block->pair[row][(j & 3) + 4 * second + 8 * (j >> 2)];
+}
 
 #define SAGI_GRID_BITS         16
 #define SAGI_GRID_MAX_EXPONENT 40
@@ -92,7 +105,8 @@ static inline sagi_bvh_reference sagi_block_reference(const sagi_block *block, u
         return (sagi_bvh_reference){sagi_sphere_primitives(block)[i], 0};
     if (block->kind == SAGI_BLOCK_SPHERES)
         return (sagi_bvh_reference){block->geometry, sagi_sphere_primitives(block)[i]};
-    return (sagi_bvh_reference){block->geometry, ((const uint32_t *)(const void *)(block + 1))[i]};
+    return (sagi_bvh_reference){block->geometry,
+                                ((const sagi_triangle_block *)(const void *)block)->primitive[i]};
 }
 
 #endif

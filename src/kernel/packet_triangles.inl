@@ -54,7 +54,7 @@ SAGI_INLINE sagi_f8 dot_add8(sagi_f8 x, sagi_f8 y, sagi_f8 z, const f8x3 *b, sag
 
 SAGI_INLINE void prepare_block(packet_block *out, const packet *p, const sagi_triangle_block *block,
                                float begin) {
-    double steps = power_of_two(block->head.exponent);
+    double steps = grid_steps(&block->head);
     sagi_d4 at =
         ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(block->head.base)) * sagi_d4_fill(steps);
     float s = begin * (float)steps;
@@ -68,8 +68,9 @@ SAGI_INLINE void prepare_block(packet_block *out, const packet *p, const sagi_tr
     out->first = (float)((p->t_min - (double)begin) * steps);
 
     f8x3 o = fill3(sagi_d4_to_f4(at)), c = fill3(p->c_float), r = fill3(p->r);
-    f8x3 a = corner(block, 0), x = corner(block, 1), y = corner(block, 2);
-    x = sub8(&x, &a), y = sub8(&y, &a), a = sub8(&a, &o);
+    f8x3 a, x, y;
+    read_block(block, &a, &x, &y);
+    y = (f8x3){-y.x, -y.y, -y.z}, a = sub8(&a, &o);
     f8x3 n = cross8(&x, &y), m1 = cross8(&a, &x), m3 = cross8(&y, &a), k1 = cross8(&c, &x),
          k3 = cross8(&y, &c);
     out->n = n, out->d = dot8(&c, &n), out->t = dot8(&a, &n);

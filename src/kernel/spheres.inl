@@ -43,7 +43,7 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
                                        float limit) {
     sphere_answer answer;
     uint32_t left = (1U << block->count) - 1;
-    double steps = power_of_two(block->exponent);
+    double steps = grid_steps(block);
     sagi_d4 at;
     answer.certain = answer.second = 0, answer.uncertain = left;
     if (!start_on_grid(block, ray, begin, steps, &at)) return answer;

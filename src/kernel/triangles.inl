@@ -21,36 +21,33 @@
 //     e(a,b), e(c,a): three products each off by 4gL + μE + 2gμ, and 16vLE for roundings:
 //         ΔE = 12gL + 3μE + 6gμ + 16vLE < 6.03L + 3.98E = B.
 //     n: each edge is off by 2g, so nᵢ by 8gE + 8g² and 4.1vE² for roundings:   ν = 8.1gE + 4.1vE²;  |n| ≤
-//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b₁.
+//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b.
 //     e(b,c) is worked out times 0.32: 2ΔE + ΔD, and v(12E² + 36LE) for roundings (24LE where the sum is
 //         fused), which is below 12.03L + 20.93E; times 0.32 less than 3.85L + 6.70E ≤ B.
-//     T: ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b₁|A|₁ + 4E² = b₀.
-// (|A|₁ = Σ|Aᵢ| is a triangle's own: small where a ray leaves the triangle, so that most such rays are
-// certain.) An e beyond ±B, e(b,c) times 0.32, has the sign of the true one: two of opposite signs are a
-// certain miss, three of one sign a certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is
-// certain, and for any time x
-//     X = sign(D) T − |D| x  is off by at most  b₀ + b₁|x|  (and 5vE²|x| for roundings, which b₁ has room
-//     for, and v(2E²|A|₁ + b₀) where T ∓ b₀ is rounded, which b₀ has),
-// so that beyond that X says for certain on which side of x the hit is. Every hit lies in the block's box,
-// which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±2¹⁹
-// first.
+//     T: ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b|A|₁ + 4E², b₁'s half being called b.
+// An e beyond ±B, e(b,c) times 0.32, has the sign of the true one: two of opposite signs are a certain miss,
+// three of one sign a certain hit of the triangle's inside. With |D| > 3b the sign of D is certain, and so
+// is, for a line that hits the inside, on which side of any time x it does so where
+//     X = sign(D) T − |D| x  is beyond  ±(b₀ + b₁|x|),   b₀ = E(b + 4E),   b₁ = 2b.
+// For the point o + t'd that is hit is within E of a, so that |A|₁ ≤ 3E + 3|t'|, and X is off by at most
+// ⅓ b|A|₁ + 4E² + b|x| ≤ b₀ + b|t'| + b|x|; in truth X is |D|(t' − x) with |D| > 2b, so that b|t'| ≤
+// b|x| + ½|X|; and what is off by b₀ + b₁|x| + ½|X| at most, but beyond b₀ + b₁|x|, has the true sign.
+// (Roundings: b has room for 5vE²|x|, b₀ for its own and T's.) Where the line is not certain to hit the
+// inside, time decides nothing. Times: the ray's first is known to 2⁻⁵⁰ of the distances, its last by a float
+// from below and one from above. 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), so bounds x may be brought below 2¹⁹ first.
 
 typedef struct block_answer {
     uint32_t certain, uncertain; // lanes
     uint32_t inside;             // of the uncertain: those of which only the time is
     uint32_t back;               // of the certain: those met from the back
-    sagi_f8 t, d, b0;            // T with D's sign, |D|, b₀
-    float b1;
+    sagi_f8 t, d;                // T with D's sign, |D|
+    float b0, b1;
 } block_answer;
 
 typedef struct f8x3 {
     sagi_f8 x, y, z;
 } f8x3;
 
-SAGI_INLINE f8x3 corner(const sagi_triangle_block *block, int i) {
-    return (f8x3){sagi_f8_from_h8(block->corner[i][0]), sagi_f8_from_h8(block->corner[i][1]),
-                  sagi_f8_from_h8(block->corner[i][2])};
-}
 SAGI_INLINE f8x3 sub8(const f8x3 *a, const f8x3 *b) { return (f8x3){a->x - b->x, a->y - b->y, a->z - b->z}; }
 SAGI_INLINE f8x3 cross8(const f8x3 *a, const f8x3 *b) {
     return (f8x3){sagi_f8_fms(a->y, b->z, a->z * b->y), sagi_f8_fms(a->z, b->x, a->x * b->z),
@@ -61,6 +58,19 @@ SAGI_INLINE sagi_f8 dot8(const f8x3 *a, const f8x3 *b) {
 }
 SAGI_INLINE f8x3 fill3(sagi_f4 a) {
     return (f8x3){sagi_f8_fill(a[0]), sagi_f8_fill(a[1]), sagi_f8_fill(a[2])};
+}
+
+// A block's corners a, and its edges x = b − a and z = a − c, all of them exact.
+SAGI_INLINE void read_block(const sagi_triangle_block *block, f8x3 *a, f8x3 *x, f8x3 *z) {
+    f8x3 b, c;
+    const sagi_f8 plus = sagi_f8_fill(SAGI_ROWS_PLUS);
+    sagi_f8_rows(block->pair[0], &a->x, &b.x), sagi_f8_rows(block->pair[1], &a->y, &b.y);
+    sagi_f8_rows(block->pair[2], &a->z, &b.z), sagi_f8_rows(block->pair[3], &c.x, &c.y);
+    c.z = sagi_f8_from_h8(block->last);
+    *x = sub8(&b, a);
+    z->x = a->x - c.x, z->y = a->y - c.y;
+    a->x -= plus, a->y -= plus, a->z -= plus;
+    z->z = a->z - c.z;
 }
 
 // The grid's zero, in world units. The numbers have 21 bits: as the last ones of a double that begins with
@@ -74,77 +84,86 @@ SAGI_INLINE sagi_d4 grid_zero(uint64_t base) {
 
 // The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
 // bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
-SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray, float begin, double steps,
-                               sagi_d4 *at) {
-    *at = ((ray->p + ray->d * sagi_d4_fill((double)begin)) - grid_zero(head->base)) * sagi_d4_fill(steps);
-    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(*at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
+SAGI_INLINE bool is_near(const sagi_float_ray *ray, sagi_d4 at, double steps) {
+    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
                7 &&
            ray->error * steps <= 0.125;
 }
+SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray, float begin, double steps,
+                               sagi_d4 *at) {
+    *at = (sagi_d4_fma(ray->d, sagi_d4_fill((double)begin), ray->p) - grid_zero(head->base)) *
+          sagi_d4_fill(steps);
+    return __builtin_expect(head->exponent <= ray->finest, 1) || is_near(ray, *at, steps);
+}
 
-// B, b₁, and what b₀ is made of, for each sagi_block.edge.
+// How many grid steps a world unit has, for each sagi_block.exponent.
+#define STEPS(i) (double)((uint64_t)1 << (i))
+#define STEPS8(i)                                                                                            \
+    STEPS(i), STEPS((i) + 1), STEPS((i) + 2), STEPS((i) + 3), STEPS((i) + 4), STEPS((i) + 5),                \
+        STEPS((i) + 6), STEPS((i) + 7)
+static const double steps_of_exponents[] = {STEPS8(0),  STEPS8(8),  STEPS8(16),
+                                            STEPS8(24), STEPS8(32), STEPS(40)};
+_Static_assert(sizeof steps_of_exponents == (SAGI_GRID_MAX_EXPONENT + 1) * sizeof(double), "all of them");
+SAGI_INLINE double grid_steps(const sagi_block *head) { return steps_of_exponents[head->exponent]; }
+
+// B, −B, b₀, b₁ and the least |D| that is known to have the right sign, for each sagi_block.edge.
 typedef struct edge_bounds {
-    float outside, b1, b0_way, b0;
+    float outside, minus_outside, b0, b1, least_d;
 } edge_bounds;
-#define EDGE(i) ((float)((i) + 1) * 256)
-#define B1(i)   (EDGE(i) * (12.5F + EDGE(i) * (60 * 0x1p-24F)))
+#define EDGE(i)    ((float)((i) + 1) * 256)
+#define OUTSIDE(i) (6.03F * 81920 + 3.98F * EDGE(i))
+#define HALF_B1(i) (EDGE(i) * (12.5F + EDGE(i) * (60 * 0x1p-24F)))
 #define BOUNDS(i)                                                                                            \
-    { 6.03F * 81920 + 3.98F * EDGE(i), B1(i), B1(i) * (1 / 3.0F), 4 * EDGE(i) * EDGE(i) }
+    { OUTSIDE(i), -OUTSIDE(i), EDGE(i) * (HALF_B1(i) + 4 * EDGE(i)), 2 * HALF_B1(i), 3 * HALF_B1(i) }
 #define BOUNDS4(i)  BOUNDS(i), BOUNDS((i) + 1), BOUNDS((i) + 2), BOUNDS((i) + 3)
 #define BOUNDS16(i) BOUNDS4(i), BOUNDS4((i) + 4), BOUNDS4((i) + 8), BOUNDS4((i) + 12)
 #define BOUNDS64(i) BOUNDS16(i), BOUNDS16((i) + 16), BOUNDS16((i) + 32), BOUNDS16((i) + 48)
 static const edge_bounds bounds_of_edges[256] = {BOUNDS64(0), BOUNDS64(64), BOUNDS64(128), BOUNDS64(192)};
 
 // `begin` is a lower bound of the τ where the ray meets the block's box, `limit` an upper bound of the τ that
-// still matter.
+// still matter. True when a triangle is met or may be; *answer need not be written otherwise, unless
+// `always`.
 SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_float_ray *ray, float begin,
-                                float limit, bool hurry, block_answer *answer) {
-    double steps = power_of_two(block->head.exponent);
+                                float limit, bool always, block_answer *answer) {
+    const double steps = grid_steps(&block->head);
     sagi_d4 at;
-    bool usual = start_on_grid(&block->head, ray, begin, steps, &at);
-    f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction);
-    f8x3 a = corner(block, 0), b = corner(block, 1), c = corner(block, 2);
-    f8x3 x = sub8(&b, &a), z = sub8(&a, &c);
+    const float last_certain = sagi_float_min(ray->t_max, limit);
+    const uint32_t lanes = (1U << block->head.count) - 1;
+    if (__builtin_expect(!start_on_grid(&block->head, ray, begin, steps, &at) || begin > last_certain, 0)) {
+        answer->certain = answer->inside = answer->back = 0, answer->uncertain = lanes;
+        return true;
+    }
+    f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction), a, x, z;
+    read_block(block, &a, &x, &z);
     a = sub8(&a, &o);
     f8x3 m = cross8(&d, &a), n = cross8(&z, &x);
-    sagi_f8 ab = dot8(&m, &x), ca = dot8(&m, &z), den = dot8(&d, &n);
+    sagi_f8 ab = dot8(&m, &x), ca = dot8(&m, &z), den = dot8(&d, &n), num = dot8(&a, &n);
     sagi_f8 bc = sagi_f8_fma(ab + ca, sagi_f8_fill(-0.32F), den * 0.32F);
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, ca), bc), most = sagi_f8_max(sagi_f8_max(ab, ca), bc);
     const edge_bounds *bounds = &bounds_of_edges[block->head.edge];
-    const float bound = bounds->outside, b1 = bounds->b1;
-    uint32_t there = (1U << block->head.count) - 1;
-    if (__builtin_expect(!usual, 0)) {
-        answer->certain = answer->inside = answer->back = 0, answer->uncertain = there;
-        return true;
-    }
-    there &= ~sagi_i8_mask(sagi_f8_below(least, -bound) & sagi_f8_above(most, bound));
-    if (hurry && there == 0) return false; // all missed: as often as not
+    const float b0 = bounds->b0, b1 = bounds->b1;
+    const sagi_i8 outside =
+        sagi_f8_below(least, bounds->minus_outside) & sagi_f8_above(most, bounds->outside);
+    const sagi_i8 inside = sagi_f8_above(least, bounds->outside) | sagi_f8_below(most, bounds->minus_outside);
 
-    // When. X is beyond its error where T ∓ b₀ is beyond |D| x ± b₁|x|.
-    sagi_f8 num = dot8(&a, &n);
-    sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
-    sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
-    const float range = 0x1p19F;
-    float grid = (float)steps;
-    sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
-    sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(bounds->b0_way), sagi_f8_fill(bounds->b0));
-    sagi_f8 low = t - b0, high = t + b0, error = sagi_f8_fill(b1);
-    // (By vectors, so that no compiler makes branches of them.)
-    sagi_f8 first =
-        sagi_f8_max(sagi_f8_fill((float)((ray->t_min - (double)begin) * steps)), sagi_f8_fill(-range));
-    sagi_f8 last = sagi_f8_min(sagi_f8_fill((limit - begin) * grid), sagi_f8_fill(range));
-    sagi_f8 last_certain = sagi_f8_min(sagi_f8_fill((ray->t_max - begin) * grid), last);
-    sagi_f8 first_error = sagi_f8_abs(first) * error, last_error = sagi_f8_abs(last) * error;
-    sagi_i8 beyond = sagi_f8_less(sagi_f8_fma(size, last, last_error), low) |
-                     sagi_f8_less(high, sagi_f8_fms(size, first, first_error));
-    last_error = sagi_f8_abs(last_certain) * error;
-    sagi_i8 within = sagi_f8_less(high, sagi_f8_fms(size, last_certain, last_error)) &
-                     sagi_f8_less(sagi_f8_fma(size, first, first_error), low);
-    sagi_i8 known = sagi_f8_above(size, 2 * b1),
-            inside = sagi_f8_above(least, bound) | sagi_f8_below(most, -bound);
-    there &= ~sagi_i8_mask(beyond & known);
-    uint32_t certain = there & sagi_i8_mask(inside & within & known);
-    answer->certain = certain, answer->uncertain = there & ~certain;
+    // When: on which side of the ray's first and last times, where T is beyond |D| x ± (b₀ + b₁|x|).
+    const float grid = (float)steps, range = 0x1p19F;
+    const float first = (float)((ray->t_min - (double)begin) * steps);
+    const float last = sagi_float_min((limit - begin) * grid, range);
+    const float certain = sagi_float_min((last_certain - begin) * grid, range);
+    const sagi_f8 first_error = sagi_f8_fill(fabsf(first) * b1 + b0),
+                  last_error = sagi_f8_fill(last * b1 + b0);
+    const sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
+    const sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den),
+                  at_first = sagi_f8_fill(first);
+    const sagi_i8 known = inside & sagi_f8_above(size, bounds->least_d);
+    const sagi_i8 beyond = known & (sagi_f8_less(t, sagi_f8_fms(size, at_first, first_error)) |
+                                    sagi_f8_less(sagi_f8_fma(size, sagi_f8_fill(last), last_error), t));
+    const sagi_i8 within = known & sagi_f8_less(sagi_f8_fma(size, at_first, first_error), t) &
+                           sagi_f8_less(t, sagi_f8_fms(size, sagi_f8_fill(certain), last_error));
+    const uint32_t there = lanes & ~sagi_i8_mask(outside | beyond);
+    if (!always && there == 0) return false;
+    answer->certain = there & sagi_i8_mask(within), answer->uncertain = there & ~answer->certain;
     answer->inside = sagi_i8_mask(inside);
     answer->back = ~sagi_i8_mask(sign);
     answer->t = t, answer->d = size, answer->b0 = b0, answer->b1 = b1;
@@ -290,7 +309,7 @@ SAGI_INLINE bool times_of(const sagi_triangle_block *block, const block_answer *
                           float begin, float *earliest, float *latest) {
     // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
     float step = (float)power_of_two(-(int)block->head.exponent);
-    float t = answer->t[lane], d = answer->d[lane], b0 = answer->b0[lane];
+    float t = answer->t[lane], d = answer->d[lane], b0 = answer->b0;
     *latest = (begin + (t + b0) / (d - answer->b1) * step) * (1 + 0x1p-20F);
     *earliest = (begin + sagi_float_max((t - b0) / (d + answer->b1), 0) * step) * (1 - 0x1p-20F);
     return !(t + b0 < 0);
@@ -360,6 +379,6 @@ SAGI_INLINE bool take_triangles(question asked, level *here, const sagi_triangle
 SAGI_INLINE bool triangle_block(question asked, level *here, const sagi_triangle_block *block, float begin) {
     SAGI_KERNEL_COUNT(blocks);
     block_answer answer;
-    return meet_triangles(block, &here->tree_ray, begin, here->limit, true, &answer) &&
+    return meet_triangles(block, &here->tree_ray, begin, here->limit, false, &answer) &&
            take_triangles(asked, here, block, &answer, begin);
 }

@@ -144,6 +144,16 @@ SAGI_INLINE sagi_d4 sagi_d4_turn(sagi_d4 a) {
 SAGI_INLINE double sagi_d4_first(sagi_d4 a) { return _mm_cvtsd_f64(_mm256_castpd256_pd128((__m256d)a)); }
 SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return (sagi_f4)_mm256_cvtpd_ps(a); }
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a); }
+// a b + c, as above.
+SAGI_INLINE sagi_d4 sagi_d4_fma(sagi_d4 a, sagi_d4 b, sagi_d4 c) { return (sagi_d4)_mm256_fmadd_pd(a, b, c); }
+// Two rows of eight whole numbers, each plus 2²³: that number is what the bits of a float with the exponent
+// of 2²³ say. p, aligned to 32 bytes: four of the first row, four of the second, and the same again.
+#define SAGI_ROWS_PLUS 0x1p23F
+SAGI_INLINE void sagi_f8_rows(const uint16_t p[16], sagi_f8 *first, sagi_f8 *second) {
+    const __m256i rows = _mm256_load_si256((const __m256i *)(const void *)p),
+                  high = _mm256_set1_epi16(0x4B00);
+    *first = (sagi_f8)_mm256_unpacklo_epi16(rows, high), *second = (sagi_f8)_mm256_unpackhi_epi16(rows, high);
+}
 SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) { // of any alignment
     __m128i h = _mm_loadu_si128((const __m128i *)(const void *)p);
     return (sagi_f8)_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(h));
@@ -187,6 +197,14 @@ SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, sagi_i8 from, uint32_t *chose
 SAGI_INLINE sagi_f8 sagi_f8_fma(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b + c; }
 SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b - c; }
 SAGI_INLINE sagi_f4 sagi_f4_fma(sagi_f4 a, sagi_f4 b, sagi_f4 c) { return a * b + c; }
+SAGI_INLINE sagi_d4 sagi_d4_fma(sagi_d4 a, sagi_d4 b, sagi_d4 c) { return a * b + c; }
+#define SAGI_ROWS_PLUS 0x1p23F
+SAGI_INLINE void sagi_f8_rows(const uint16_t p[16], sagi_f8 *first, sagi_f8 *second) {
+    sagi_i8 a, b;
+    for (int i = 0; i < 8; i++)
+        a[i] = 0x4B000000 | p[(i & 3) + 2 * (i & 4)], b[i] = 0x4B000000 | p[(i & 3) + 2 * (i & 4) + 4];
+    *first = (sagi_f8)a, *second = (sagi_f8)b;
+}
 SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // Veltkamp and Dekker: dd.h
     const sagi_d4 splitter = sagi_d4_fill(0x1p27 + 1);
     sagi_d4 ta = splitter * a, tb = splitter * b, ah = ta - (ta - a), bh = tb - (tb - b);

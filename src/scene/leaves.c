@@ -93,12 +93,12 @@ static double choose_grid(corners at, sagi_block *head, double zero[3]) {
 }
 
 // The byte that says how long edges are at most. (Lanes without a triangle have edges of 0.)
-static uint8_t longest_edge(const sagi_triangle_block *block) {
+static uint8_t longest_edge(sagi_triangle_block *block) {
     int longest = 0;
     for (int i = 1; i < 3; i++)
         for (int k = 0; k < 3; k++)
             for (int j = 0; j < SAGI_BVH_WIDTH; j++) {
-                int edge = block->corner[i][k][j] - block->corner[0][k][j];
+                int edge = *sagi_block_corner(block, i, k, j) - *sagi_block_corner(block, 0, k, j);
                 edge = edge < 0 ? -edge : edge;
                 longest = edge > longest ? edge : longest;
             }
@@ -127,7 +127,7 @@ static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p,
             for (int j = 0; j < SAGI_BVH_WIDTH; j++)
                 on_grid[j] = (int32_t)((at[i][k][j] - zero[k]) * steps + 0.5);
             for (int j = 0; j < SAGI_BVH_WIDTH; j++)
-                block->corner[i][k][j] = (uint16_t)(j < (int)count ? on_grid[j] : 0);
+                *sagi_block_corner(block, i, k, j) = (uint16_t)(j < (int)count ? on_grid[j] : 0);
         }
     block->head.edge = longest_edge(block);
 }

@@ -15,7 +15,7 @@
 #include <cmocka.h>
 // clang-format on
 
-static void check_triangle(const sagi_world *w, const sagi_triangle_block *block, uint32_t j,
+static void check_triangle(const sagi_world *w, sagi_triangle_block *block, uint32_t j,
                            const sagi_bvh_node *node, int child) {
     const sagi_item *item = &w->items[block->head.geometry];
     const double steps = ldexp(1, block->head.exponent);
@@ -29,7 +29,8 @@ static void check_triangle(const sagi_world *w, const sagi_triangle_block *block
             uint64_t base = block->head.base >> (k * SAGI_GRID_BASE_BITS);
             double zero = (double)(base & ((1u << SAGI_GRID_BASE_BITS) - 1)) * 0x1p-20 - 1;
             double true_at = (c[k] - origin[k]) * w->scale;
-            assert_true(fabs((true_at - zero) * steps - block->corner[i][k][j]) <= SAGI_GRID_ERROR);
+            assert_true(fabs((true_at - zero) * steps - *sagi_block_corner(block, i, k, (int)j)) <=
+                        SAGI_GRID_ERROR);
             assert_true((double)node->plane[k][child] <= true_at);
             assert_true(true_at <= (double)node->plane[3 + k][child]);
         }
@@ -46,12 +47,13 @@ static uint64_t check_leaves(const sag_scene *scene) {
             if (!(node->plane[0][i] <= node->plane[3][i]) || !sagi_bvh_is_leaf(node->child[i])) continue;
             const sagi_block *leaf = sagi_leaf(&w->tree, node->child[i]);
             if (leaf->kind != SAGI_BLOCK_TRIANGLES) continue;
-            const sagi_triangle_block *block = (const void *)leaf;
+            sagi_triangle_block *block = (void *)(uintptr_t)leaf;
             for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
                 if (j < leaf->count)
                     check_triangle(w, block, j, node, i);
                 else
-                    for (int k = 0; k < 9; k++) assert_int_equal(block->corner[k / 3][k % 3][j], 0);
+                    for (int k = 0; k < 9; k++)
+                        assert_int_equal(*sagi_block_corner(block, k / 3, k % 3, (int)j), 0);
             }
             triangles += leaf->count;
         }
