@@ -21,27 +21,26 @@
 //     e(a,b), e(c,a): three products each off by 4gL + μE + 2gμ, and 16vLE for roundings:
 //         ΔE = 12gL + 3μE + 6gμ + 16vLE < 6.03L + 3.98E = B.
 //     n: each edge is off by 2g, so nᵢ by 8gE + 8g² and 4.1vE² for roundings:   ν = 8.1gE + 4.1vE²;  |n| ≤
-//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b.
+//     2E². D: 3ν, and 6vE² for d, 18vE² for roundings:        ΔD = 24.3gE + 37vE² < E(12.5 + 60vE) = b₁.
 //     e(b,c) is worked out times 0.32: 2ΔE + ΔD, and v(12E² + 36LE) for roundings (24LE where the sum is
 //         fused), which is below 12.03L + 20.93E; times 0.32 less than 3.85L + 6.70E ≤ B.
-//     T: ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b|A|₁ + 4E², b₁'s half being called b.
-// An e beyond ±B, e(b,c) times 0.32, has the sign of the true one: two of opposite signs are a certain miss,
-// three of one sign a certain hit of the triangle's inside. With |D| > 3b the sign of D is certain, and so
-// is, for a line that hits the inside, on which side of any time x it does so where
-//     X = sign(D) T − |D| x  is beyond  ±(b₀ + b₁|x|),   b₀ = E(b + 4E),   b₁ = 2b.
-// For the point o + t'd that is hit is within E of a, so that |A|₁ ≤ 3E + 3|t'|, and X is off by at most
-// ⅓ b|A|₁ + 4E² + b|x| ≤ b₀ + b|t'| + b|x|; in truth X is |D|(t' − x) with |D| > 2b, so that b|t'| ≤
-// b|x| + ½|X|; and what is off by b₀ + b₁|x| + ½|X| at most, but beyond b₀ + b₁|x|, has the true sign.
-// (Roundings: b has room for 5vE²|x|, b₀ for its own and T's.) Where the line is not certain to hit the
-// inside, time decides nothing. Times: the ray's first is known to 2⁻⁵⁰ of the distances, its last by a float
-// from below and one from above. 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), so bounds x may be brought below 2¹⁹ first.
+//     T: ν|A|₁, 6E²σ, 3νσ, 10vE²|A|₁ for roundings:      ΔT < ⅓ b₁|A|₁ + 4E² = b₀.
+// (|A|₁ = Σ|Aᵢ| is a triangle's own: small where a ray leaves the triangle, so that most such rays are
+// certain.) An e beyond ±B, e(b,c) times 0.32, has the sign of the true one: two of opposite signs are a
+// certain miss, three of one sign a certain hit of the triangle's inside. With |D| > 2b₁ the sign of D is
+// certain, and for any time x
+//     X = sign(D) T − |D| x  is off by at most  b₀ + b₁|x|  (and 5vE²|x| for roundings, which b₁ has room
+//     for, and v(2E²|A|₁ + b₀) where T ∓ b₀ is rounded, which b₀ has),
+// so that beyond that X says for certain on which side of x the hit is. Every hit lies in the block's box,
+// which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±2¹⁹
+// first.
 
 typedef struct block_answer {
     uint32_t certain, uncertain; // lanes
     uint32_t inside;             // of the uncertain: those of which only the time is
     uint32_t back;               // of the certain: those met from the back
-    sagi_f8 t, d;                // T with D's sign, |D|
-    float b0, b1;
+    sagi_f8 t, d, b0;            // T with D's sign, |D|, b₀
+    float b1;
 } block_answer;
 
 typedef struct f8x3 {
@@ -106,15 +105,15 @@ static const double steps_of_exponents[] = {STEPS8(0),  STEPS8(8),  STEPS8(16),
 _Static_assert(sizeof steps_of_exponents == (SAGI_GRID_MAX_EXPONENT + 1) * sizeof(double), "all of them");
 SAGI_INLINE double grid_steps(const sagi_block *head) { return steps_of_exponents[head->exponent]; }
 
-// B, −B, b₀, b₁ and the least |D| that is known to have the right sign, for each sagi_block.edge.
+// B, −B, b₁, twice b₁, and what b₀ is made of, for each sagi_block.edge.
 typedef struct edge_bounds {
-    float outside, minus_outside, b0, b1, least_d;
+    float outside, minus_outside, b1, twice_b1, b0_way, b0;
 } edge_bounds;
 #define EDGE(i)    ((float)((i) + 1) * 256)
 #define OUTSIDE(i) (6.03F * 81920 + 3.98F * EDGE(i))
-#define HALF_B1(i) (EDGE(i) * (12.5F + EDGE(i) * (60 * 0x1p-24F)))
+#define B1(i)      (EDGE(i) * (12.5F + EDGE(i) * (60 * 0x1p-24F)))
 #define BOUNDS(i)                                                                                            \
-    { OUTSIDE(i), -OUTSIDE(i), EDGE(i) * (HALF_B1(i) + 4 * EDGE(i)), 2 * HALF_B1(i), 3 * HALF_B1(i) }
+    { OUTSIDE(i), -OUTSIDE(i), B1(i), 2 * B1(i), B1(i) * (1 / 3.0F), 4 * EDGE(i) * EDGE(i) }
 #define BOUNDS4(i)  BOUNDS(i), BOUNDS((i) + 1), BOUNDS((i) + 2), BOUNDS((i) + 3)
 #define BOUNDS16(i) BOUNDS4(i), BOUNDS4((i) + 4), BOUNDS4((i) + 8), BOUNDS4((i) + 12)
 #define BOUNDS64(i) BOUNDS16(i), BOUNDS16((i) + 16), BOUNDS16((i) + 32), BOUNDS16((i) + 48)
@@ -141,27 +140,27 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     sagi_f8 bc = sagi_f8_fma(ab + ca, sagi_f8_fill(-0.32F), den * 0.32F);
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, ca), bc), most = sagi_f8_max(sagi_f8_max(ab, ca), bc);
     const edge_bounds *bounds = &bounds_of_edges[block->head.edge];
-    const float b0 = bounds->b0, b1 = bounds->b1;
     const sagi_i8 outside =
         sagi_f8_below(least, bounds->minus_outside) & sagi_f8_above(most, bounds->outside);
     const sagi_i8 inside = sagi_f8_above(least, bounds->outside) | sagi_f8_below(most, bounds->minus_outside);
 
-    // When: on which side of the ray's first and last times, where T is beyond |D| x ± (b₀ + b₁|x|).
-    const float grid = (float)steps, range = 0x1p19F;
-    const float first = (float)((ray->t_min - (double)begin) * steps);
-    const float last = sagi_float_min((limit - begin) * grid, range);
+    // When: on which side of the ray's first and last times, where T ∓ b₀ is beyond |D| x ± b₁|x|.
+    const float grid = (float)steps, range = 0x1p19F, b1 = bounds->b1;
+    const float first = (float)((ray->t_min - (double)begin) * steps), first_error = fabsf(first) * b1;
+    const float last = sagi_float_min((limit - begin) * grid, range), last_error = last * b1;
     const float certain = sagi_float_min((last_certain - begin) * grid, range);
-    const sagi_f8 first_error = sagi_f8_fill(fabsf(first) * b1 + b0),
-                  last_error = sagi_f8_fill(last * b1 + b0);
     const sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
-    const sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den),
-                  at_first = sagi_f8_fill(first);
-    const sagi_i8 known = inside & sagi_f8_above(size, bounds->least_d);
-    const sagi_i8 beyond = known & (sagi_f8_less(t, sagi_f8_fms(size, at_first, first_error)) |
-                                    sagi_f8_less(sagi_f8_fma(size, sagi_f8_fill(last), last_error), t));
-    const sagi_i8 within = known & sagi_f8_less(sagi_f8_fma(size, at_first, first_error), t) &
-                           sagi_f8_less(t, sagi_f8_fms(size, sagi_f8_fill(certain), last_error));
-    const uint32_t there = lanes & ~sagi_i8_mask(outside | beyond);
+    const sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
+    const sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
+    const sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(bounds->b0_way), sagi_f8_fill(bounds->b0));
+    const sagi_f8 low = t - b0, high = t + b0, at_first = sagi_f8_fill(first);
+    const sagi_i8 known = sagi_f8_above(size, bounds->twice_b1);
+    const sagi_i8 beyond = sagi_f8_less(high, sagi_f8_fms(size, at_first, sagi_f8_fill(first_error))) |
+                           sagi_f8_less(sagi_f8_fma(size, sagi_f8_fill(last), sagi_f8_fill(last_error)), low);
+    const sagi_i8 within =
+        known & inside & sagi_f8_less(sagi_f8_fma(size, at_first, sagi_f8_fill(first_error)), low) &
+        sagi_f8_less(high, sagi_f8_fms(size, sagi_f8_fill(certain), sagi_f8_fill(last_error)));
+    const uint32_t there = lanes & ~sagi_i8_mask(outside | (beyond & known));
     if (!always && there == 0) return false;
     answer->certain = there & sagi_i8_mask(within), answer->uncertain = there & ~answer->certain;
     answer->inside = sagi_i8_mask(inside);
@@ -309,7 +308,7 @@ SAGI_INLINE bool times_of(const sagi_triangle_block *block, const block_answer *
                           float begin, float *earliest, float *latest) {
     // X = ±(b₀ + b₁ x) are the earliest and the latest x ≥ 0.
     float step = (float)power_of_two(-(int)block->head.exponent);
-    float t = answer->t[lane], d = answer->d[lane], b0 = answer->b0;
+    float t = answer->t[lane], d = answer->d[lane], b0 = answer->b0[lane];
     *latest = (begin + (t + b0) / (d - answer->b1) * step) * (1 + 0x1p-20F);
     *earliest = (begin + sagi_float_max((t - b0) / (d + answer->b1), 0) * step) * (1 - 0x1p-20F);
     return !(t + b0 < 0);
