@@ -56,7 +56,7 @@ SAGI_INLINE void prepare_block(packet_block *out, const packet *p, const sagi_tr
                                float begin) {
     double steps = grid_steps(&block->head);
     sagi_d4 at =
-        ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(block->head.base)) * sagi_d4_fill(steps);
+        ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(&in_blocks, block->head.base)) * sagi_d4_fill(steps);
     float s = begin * (float)steps;
     float length = (float)(largest_of_three(sagi_d4_abs(at)) * (1 + 0x1p-20) + 0x1p16);
     float edge = (float)(block->head.edge + 1) * 256, h = (float)(p->error * steps) * (1 + 0x1p-20F);
@@ -69,7 +69,7 @@ SAGI_INLINE void prepare_block(packet_block *out, const packet *p, const sagi_tr
 
     f8x3 o = fill3(sagi_d4_to_f4(at)), c = fill3(p->c_float), r = fill3(p->r);
     f8x3 a, x, y;
-    read_block(block, &a, &x, &y);
+    read_block(&in_blocks, block, &a, &x, &y);
     y = (f8x3){-y.x, -y.y, -y.z}, a = sub8(&a, &o);
     f8x3 n = cross8(&x, &y), m1 = cross8(&a, &x), m3 = cross8(&y, &a), k1 = cross8(&c, &x),
          k3 = cross8(&y, &c);

@@ -46,7 +46,7 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
     double steps = grid_steps(block);
     sagi_d4 at;
     answer.certain = answer.second = 0, answer.uncertain = left;
-    if (!start_on_grid(block, ray, begin, steps, &at)) return answer;
+    if (!start_on_grid(&in_blocks, block, ray, begin, steps, &at)) return answer;
     f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction);
     f8x3 a = {sagi_f8_from_h8(sagi_sphere_row(block, 0)), sagi_f8_from_h8(sagi_sphere_row(block, 1)),
               sagi_f8_from_h8(sagi_sphere_row(block, 2))};

@@ -55,55 +55,14 @@ SAGI_INLINE f8x3 cross8(const f8x3 *a, const f8x3 *b) {
 SAGI_INLINE sagi_f8 dot8(const f8x3 *a, const f8x3 *b) {
     return sagi_f8_fma(a->z, b->z, sagi_f8_fma(a->y, b->y, a->x * b->x));
 }
+SAGI_INLINE void spread3(sagi_f4 a, f8x3 *out) {
+    sagi_f8 to[3];
+    sagi_f8_spread3(a, to);
+    *out = (f8x3){to[0], to[1], to[2]};
+}
 SAGI_INLINE f8x3 fill3(sagi_f4 a) {
     return (f8x3){sagi_f8_fill(a[0]), sagi_f8_fill(a[1]), sagi_f8_fill(a[2])};
 }
-
-// A block's corners a, and its edges x = b − a and z = a − c, all of them exact.
-SAGI_INLINE void read_block(const sagi_triangle_block *block, f8x3 *a, f8x3 *x, f8x3 *z) {
-    f8x3 b, c;
-    const sagi_f8 plus = sagi_f8_fill(SAGI_ROWS_PLUS);
-    sagi_f8_rows(block->pair[0], &a->x, &b.x), sagi_f8_rows(block->pair[1], &a->y, &b.y);
-    sagi_f8_rows(block->pair[2], &a->z, &b.z), sagi_f8_rows(block->pair[3], &c.x, &c.y);
-    c.z = sagi_f8_from_h8(block->last);
-    *x = sub8(&b, a);
-    z->x = a->x - c.x, z->y = a->y - c.y;
-    a->x -= plus, a->y -= plus, a->z -= plus;
-    z->z = a->z - c.z;
-}
-
-// The grid's zero, in world units. The numbers have 21 bits: as the last ones of a double that begins with
-// 2³² they stand for themselves times 2⁻²⁰.
-SAGI_INLINE sagi_d4 grid_zero(uint64_t base) {
-    typedef uint64_t u4 __attribute__((vector_size(32)));
-    u4 n = (u4){base, base, base, base} >> (u4){0, SAGI_GRID_BASE_BITS, 2 * SAGI_GRID_BASE_BITS, 63};
-    n = (n & (((uint64_t)1 << SAGI_GRID_BASE_BITS) - 1)) | 0x41F0000000000000;
-    return (sagi_d4)n - sagi_d4_fill(0x1p32 + 1);
-}
-
-// The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
-// bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
-SAGI_INLINE bool is_near(const sagi_float_ray *ray, sagi_d4 at, double steps) {
-    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
-               7 &&
-           ray->error * steps <= 0.125;
-}
-SAGI_INLINE bool start_on_grid(const sagi_block *head, const sagi_float_ray *ray, float begin, double steps,
-                               sagi_d4 *at) {
-    *at = (sagi_d4_fma(ray->d, sagi_d4_fill((double)begin), ray->p) - grid_zero(head->base)) *
-          sagi_d4_fill(steps);
-    return __builtin_expect(head->exponent <= ray->finest, 1) || is_near(ray, *at, steps);
-}
-
-// How many grid steps a world unit has, for each sagi_block.exponent.
-#define STEPS(i) (double)((uint64_t)1 << (i))
-#define STEPS8(i)                                                                                            \
-    STEPS(i), STEPS((i) + 1), STEPS((i) + 2), STEPS((i) + 3), STEPS((i) + 4), STEPS((i) + 5),                \
-        STEPS((i) + 6), STEPS((i) + 7)
-static const double steps_of_exponents[] = {STEPS8(0),  STEPS8(8),  STEPS8(16),
-                                            STEPS8(24), STEPS8(32), STEPS(40)};
-_Static_assert(sizeof steps_of_exponents == (SAGI_GRID_MAX_EXPONENT + 1) * sizeof(double), "all of them");
-SAGI_INLINE double grid_steps(const sagi_block *head) { return steps_of_exponents[head->exponent]; }
 
 // B, −B, b₁, twice b₁, and what b₀ is made of, for each sagi_block.edge.
 typedef struct edge_bounds {
@@ -117,54 +76,121 @@ typedef struct edge_bounds {
 #define BOUNDS4(i)  BOUNDS(i), BOUNDS((i) + 1), BOUNDS((i) + 2), BOUNDS((i) + 3)
 #define BOUNDS16(i) BOUNDS4(i), BOUNDS4((i) + 4), BOUNDS4((i) + 8), BOUNDS4((i) + 12)
 #define BOUNDS64(i) BOUNDS16(i), BOUNDS16((i) + 16), BOUNDS16((i) + 32), BOUNDS16((i) + 48)
-static const edge_bounds bounds_of_edges[256] = {BOUNDS64(0), BOUNDS64(64), BOUNDS64(128), BOUNDS64(192)};
+// How many grid steps a world unit has, for each sagi_block.exponent.
+#define STEPS(i)  (double)((uint64_t)1 << (i))
+#define STEPS4(i) STEPS(i), STEPS((i) + 1), STEPS((i) + 2), STEPS((i) + 3)
+
+// What blocks' tests need of constants.
+typedef struct block_constants {
+    float plus, high, third, minus_third, range;
+    uint32_t sign, all_but_sign;
+    double zero;
+    uint64_t zero_bits, zero_exponent;
+    double steps[SAGI_GRID_MAX_EXPONENT + 1];
+    edge_bounds bounds[256];
+} block_constants;
+static const block_constants in_blocks = {
+    .plus = SAGI_ROWS_PLUS,
+    .high = SAGI_ROWS_HIGH,
+    .third = 0.32F,
+    .minus_third = -0.32F,
+    .range = 0x1p19F,
+    .sign = 0x80000000,
+    .all_but_sign = 0x7FFFFFFF,
+    .zero = 0x1p32 + 1,
+    .zero_bits = ((uint64_t)1 << SAGI_GRID_BASE_BITS) - 1,
+    .zero_exponent = 0x41F0000000000000,
+    .steps = {STEPS4(0), STEPS4(4), STEPS4(8), STEPS4(12), STEPS4(16), STEPS4(20), STEPS4(24), STEPS4(28),
+              STEPS4(32), STEPS4(36), STEPS(40)},
+    .bounds = {BOUNDS64(0), BOUNDS64(64), BOUNDS64(128), BOUNDS64(192)},
+};
+_Static_assert(SAGI_GRID_MAX_EXPONENT == 40, "the last of the steps");
+SAGI_INLINE double grid_steps(const sagi_block *head) { return in_blocks.steps[head->exponent]; }
+
+// A block's corners a, and its edges x = b − a and z = a − c, all of them exact.
+SAGI_INLINE void read_block(const block_constants *k, const sagi_triangle_block *block, f8x3 *a, f8x3 *x,
+                            f8x3 *z) {
+    f8x3 b, c;
+    const sagi_f8 plus = sagi_f8_fill(k->plus);
+    sagi_f8_rows(block->pair[0], k->high, &a->x, &b.x), sagi_f8_rows(block->pair[1], k->high, &a->y, &b.y);
+    sagi_f8_rows(block->pair[2], k->high, &a->z, &b.z), sagi_f8_rows(block->pair[3], k->high, &c.x, &c.y);
+    c.z = sagi_f8_from_h8(block->last);
+    *x = sub8(&b, a);
+    z->x = a->x - c.x, z->y = a->y - c.y;
+    a->x -= plus, a->y -= plus, a->z -= plus;
+    z->z = a->z - c.z;
+}
+
+// The grid's zero, in world units. The numbers have 21 bits: as the last ones of a double that begins with
+// 2³² they stand for themselves times 2⁻²⁰.
+SAGI_INLINE sagi_d4 grid_zero(const block_constants *k, uint64_t base) {
+    typedef uint64_t u4 __attribute__((vector_size(32)));
+    u4 n = (u4){base, base, base, base} >> (u4){0, SAGI_GRID_BASE_BITS, 2 * SAGI_GRID_BASE_BITS, 63};
+    return (sagi_d4)((n & k->zero_bits) | k->zero_exponent) - sagi_d4_fill(k->zero);
+}
+
+// The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
+// bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
+SAGI_INLINE bool is_near(const sagi_float_ray *ray, sagi_d4 at, double steps) {
+    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
+               7 &&
+           ray->error * steps <= 0.125;
+}
+SAGI_INLINE bool start_on_grid(const block_constants *k, const sagi_block *head, const sagi_float_ray *ray,
+                               float begin, double steps, sagi_d4 *at) {
+    *at = (sagi_d4_fma(ray->d, sagi_d4_fill((double)begin), ray->p) - grid_zero(k, head->base)) *
+          sagi_d4_fill(steps);
+    return __builtin_expect(head->exponent <= ray->finest, 1) || is_near(ray, *at, steps);
+}
 
 // `begin` is a lower bound of the τ where the ray meets the block's box, `limit` an upper bound of the τ that
 // still matter. True when a triangle is met or may be; *answer need not be written otherwise, unless
 // `always`.
 SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_float_ray *ray, float begin,
                                 float limit, bool always, block_answer *answer) {
-    const double steps = grid_steps(&block->head);
+    const block_constants *k = sagi_hidden(&in_blocks);
+    const double steps = k->steps[block->head.exponent];
     sagi_d4 at;
     const float last_certain = sagi_float_min(ray->t_max, limit);
-    const uint32_t lanes = (1U << block->head.count) - 1;
-    if (__builtin_expect(!start_on_grid(&block->head, ray, begin, steps, &at) || begin > last_certain, 0)) {
-        answer->certain = answer->inside = answer->back = 0, answer->uncertain = lanes;
+    if (__builtin_expect(!start_on_grid(k, &block->head, ray, begin, steps, &at) || begin > last_certain,
+                         0)) {
+        answer->certain = answer->inside = answer->back = 0;
+        answer->uncertain = sagi_last_bits(UINT32_MAX, block->head.count);
         return true;
     }
-    f8x3 o = fill3(sagi_d4_to_f4(at)), d = fill3(ray->direction), a, x, z;
-    read_block(block, &a, &x, &z);
+    f8x3 o, d = fill3(ray->direction), a, x, z;
+    spread3(sagi_d4_to_f4(at), &o), read_block(k, block, &a, &x, &z);
     a = sub8(&a, &o);
     f8x3 m = cross8(&d, &a), n = cross8(&z, &x);
     sagi_f8 ab = dot8(&m, &x), ca = dot8(&m, &z), den = dot8(&d, &n), num = dot8(&a, &n);
-    sagi_f8 bc = sagi_f8_fma(ab + ca, sagi_f8_fill(-0.32F), den * 0.32F);
+    sagi_f8 bc = sagi_f8_fma(ab + ca, sagi_f8_fill(k->minus_third), den * k->third);
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, ca), bc), most = sagi_f8_max(sagi_f8_max(ab, ca), bc);
-    const edge_bounds *bounds = &bounds_of_edges[block->head.edge];
-    const sagi_i8 outside =
-        sagi_f8_below(least, bounds->minus_outside) & sagi_f8_above(most, bounds->outside);
-    const sagi_i8 inside = sagi_f8_above(least, bounds->outside) | sagi_f8_below(most, bounds->minus_outside);
+    const edge_bounds *e = &k->bounds[block->head.edge];
+    const sagi_i8 outside = sagi_f8_below(least, e->minus_outside) & sagi_f8_above(most, e->outside);
+    const sagi_i8 inside = sagi_f8_above(least, e->outside) | sagi_f8_below(most, e->minus_outside);
 
     // When: on which side of the ray's first and last times, where T ∓ b₀ is beyond |D| x ± b₁|x|.
-    const float grid = (float)steps, range = 0x1p19F, b1 = bounds->b1;
+    const float grid = (float)steps, b1 = e->b1;
     const float first = (float)((ray->t_min - (double)begin) * steps), first_error = fabsf(first) * b1;
-    const float last = sagi_float_min((limit - begin) * grid, range), last_error = last * b1;
-    const float certain = sagi_float_min((last_certain - begin) * grid, range);
-    const sagi_i8 sign = sagi_f8_bits(den) & INT32_MIN;
-    const sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_abs(den);
-    const sagi_f8 way = sagi_f8_abs(a.x) + sagi_f8_abs(a.y) + sagi_f8_abs(a.z);
-    const sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(bounds->b0_way), sagi_f8_fill(bounds->b0));
+    const float last = sagi_float_min((limit - begin) * grid, k->range), last_error = last * b1;
+    const float certain = sagi_float_min((last_certain - begin) * grid, k->range);
+    const sagi_i8 sign = sagi_f8_bits(den) & (int32_t)k->sign,
+                  no_sign = sagi_i8_fill((int32_t)k->all_but_sign);
+    const sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_and(den, no_sign);
+    const sagi_f8 way = sagi_f8_and(a.x, no_sign) + sagi_f8_and(a.y, no_sign) + sagi_f8_and(a.z, no_sign);
+    const sagi_f8 b0 = sagi_f8_fma(way, sagi_f8_fill(e->b0_way), sagi_f8_fill(e->b0));
     const sagi_f8 low = t - b0, high = t + b0, at_first = sagi_f8_fill(first);
-    const sagi_i8 known = sagi_f8_above(size, bounds->twice_b1);
+    const sagi_i8 known = sagi_f8_above(size, e->twice_b1);
     const sagi_i8 beyond = sagi_f8_less(high, sagi_f8_fms(size, at_first, sagi_f8_fill(first_error))) |
                            sagi_f8_less(sagi_f8_fma(size, sagi_f8_fill(last), sagi_f8_fill(last_error)), low);
     const sagi_i8 within =
         known & inside & sagi_f8_less(sagi_f8_fma(size, at_first, sagi_f8_fill(first_error)), low) &
         sagi_f8_less(high, sagi_f8_fms(size, sagi_f8_fill(certain), sagi_f8_fill(last_error)));
-    const uint32_t there = lanes & ~sagi_i8_mask(outside | (beyond & known));
+    const uint32_t there = sagi_last_bits(~sagi_i8_mask(outside | (beyond & known)), block->head.count);
     if (!always && there == 0) return false;
     answer->certain = there & sagi_i8_mask(within), answer->uncertain = there & ~answer->certain;
     answer->inside = sagi_i8_mask(inside);
-    answer->back = ~sagi_i8_mask(sign);
+    answer->back = ~sagi_i8_mask(sagi_f8_bits(den) >> 31);
     answer->t = t, answer->d = size, answer->b0 = b0, answer->b1 = b1;
     return there != 0;
 }

@@ -42,6 +42,22 @@ SAGI_INLINE size_t sagi_opaque(size_t n) {
     return n;
 }
 
+// The same place, of which the compiler no longer knows what is there: constants that stand together are then
+// read as operands, where it would make each anew by two instructions or more.
+SAGI_INLINE const void *sagi_hidden(const void *p) {
+    __asm__("" : "+r"(p));
+    return p;
+}
+
+// The last n bits, n < 32.
+SAGI_INLINE uint32_t sagi_last_bits(uint32_t x, uint32_t n) {
+#if defined(SAGI_SIMD_AVX2) && defined(__BMI2__)
+    return _bzhi_u32(x, n);
+#else
+    return x & ((1U << n) - 1);
+#endif
+}
+
 // x > y ? a : b, without a branch: for what nobody can foresee.
 SAGI_INLINE uint32_t sagi_if_above(uint32_t x, uint32_t y, uint32_t a, uint32_t b) {
 #if defined(__x86_64__) && !defined(SAGI_SIMD_PLAIN)
@@ -74,6 +90,8 @@ SAGI_INLINE sagi_f8 sagi_f8_join(sagi_f4 a, sagi_f4 b) {
     return (sagi_f8){a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
 }
 SAGI_INLINE sagi_i8 sagi_f8_bits(sagi_f8 a) { return (sagi_i8)a; }
+SAGI_INLINE sagi_i8 sagi_i8_fill(int32_t x) { return (sagi_i8){x, x, x, x, x, x, x, x}; }
+SAGI_INLINE sagi_f8 sagi_f8_and(sagi_f8 a, sagi_i8 bits) { return (sagi_f8)((sagi_i8)a & bits); }
 SAGI_INLINE sagi_f8 sagi_f8_abs(sagi_f8 a) { return (sagi_f8)((sagi_i8)a & INT32_MAX); }
 SAGI_INLINE sagi_d4 sagi_d4_abs(sagi_d4 a) { return (sagi_d4)((sagi_l4)a & INT64_MAX); }
 // Where the mask holds a, else b.
@@ -148,11 +166,14 @@ SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return (sagi_d4)_mm256_cvtps_pd(a
 SAGI_INLINE sagi_d4 sagi_d4_fma(sagi_d4 a, sagi_d4 b, sagi_d4 c) { return (sagi_d4)_mm256_fmadd_pd(a, b, c); }
 // Two rows of eight whole numbers, each plus 2²³: that number is what the bits of a float with the exponent
 // of 2²³ say. p, aligned to 32 bytes: four of the first row, four of the second, and the same again.
+// `high` is SAGI_ROWS_HIGH, whose bits are those of the upper half of 2²³, twice.
 #define SAGI_ROWS_PLUS 0x1p23F
-SAGI_INLINE void sagi_f8_rows(const uint16_t p[16], sagi_f8 *first, sagi_f8 *second) {
-    const __m256i rows = _mm256_load_si256((const __m256i *)(const void *)p),
-                  high = _mm256_set1_epi16(0x4B00);
-    *first = (sagi_f8)_mm256_unpacklo_epi16(rows, high), *second = (sagi_f8)_mm256_unpackhi_epi16(rows, high);
+#define SAGI_ROWS_HIGH (0x1p23F + 0x4B00)
+SAGI_INLINE void sagi_f8_rows(const uint16_t p[16], float high, sagi_f8 *first, sagi_f8 *second) {
+    const __m256i rows = _mm256_load_si256((const __m256i *)(const void *)p);
+    const __m256i upper = _mm256_castps_si256(_mm256_set1_ps(high));
+    *first = (sagi_f8)_mm256_unpacklo_epi16(rows, upper);
+    *second = (sagi_f8)_mm256_unpackhi_epi16(rows, upper);
 }
 SAGI_INLINE sagi_f8 sagi_f8_from_h8(const uint16_t p[8]) { // of any alignment
     __m128i h = _mm_loadu_si128((const __m128i *)(const void *)p);
@@ -199,7 +220,9 @@ SAGI_INLINE sagi_f8 sagi_f8_fms(sagi_f8 a, sagi_f8 b, sagi_f8 c) { return a * b 
 SAGI_INLINE sagi_f4 sagi_f4_fma(sagi_f4 a, sagi_f4 b, sagi_f4 c) { return a * b + c; }
 SAGI_INLINE sagi_d4 sagi_d4_fma(sagi_d4 a, sagi_d4 b, sagi_d4 c) { return a * b + c; }
 #define SAGI_ROWS_PLUS 0x1p23F
-SAGI_INLINE void sagi_f8_rows(const uint16_t p[16], sagi_f8 *first, sagi_f8 *second) {
+#define SAGI_ROWS_HIGH (0x1p23F + 0x4B00)
+SAGI_INLINE void sagi_f8_rows(const uint16_t p[16], float high, sagi_f8 *first, sagi_f8 *second) {
+    (void)high;
     sagi_i8 a, b;
     for (int i = 0; i < 8; i++)
         a[i] = 0x4B000000 | p[(i & 3) + 2 * (i & 4)], b[i] = 0x4B000000 | p[(i & 3) + 2 * (i & 4) + 4];
