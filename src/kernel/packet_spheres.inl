@@ -58,7 +58,8 @@ static __attribute__((noinline)) void measure_packet(packet *p) {
 SAGI_INLINE void prepare_spheres(packet_sphere_block *out, const packet *p, const sagi_block *block,
                                  float begin, f8x3 moved[PACKET_GROUPS]) {
     double steps = grid_steps(block);
-    sagi_d4 at = ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(&in_blocks, block->base)) * sagi_d4_fill(steps);
+    sagi_d4 at = ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(&in_blocks, block->base)) *
+                 sagi_d4_fill(steps);
     float s = begin * (float)steps;
     float length = (float)(largest_of_three(sagi_d4_abs(at)) * (1 + 0x1p-20) + 0x1p16);
     float h = (float)(p->error * steps) * (1 + 0x1p-20F);

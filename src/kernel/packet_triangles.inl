@@ -55,8 +55,8 @@ SAGI_INLINE sagi_f8 dot_add8(sagi_f8 x, sagi_f8 y, sagi_f8 z, const f8x3 *b, sag
 SAGI_INLINE void prepare_block(packet_block *out, const packet *p, const sagi_triangle_block *block,
                                float begin) {
     double steps = grid_steps(&block->head);
-    sagi_d4 at =
-        ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(&in_blocks, block->head.base)) * sagi_d4_fill(steps);
+    sagi_d4 at = ((p->p + p->c * sagi_d4_fill((double)begin)) - grid_zero(&in_blocks, block->head.base)) *
+                 sagi_d4_fill(steps);
     float s = begin * (float)steps;
     float length = (float)(largest_of_three(sagi_d4_abs(at)) * (1 + 0x1p-20) + 0x1p16);
     float edge = (float)(block->head.edge + 1) * 256, h = (float)(p->error * steps) * (1 + 0x1p-20F);
