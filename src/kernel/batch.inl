@@ -130,12 +130,14 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         enter(&f->here, c->world, &c->rays[f->ray], s);
         slabs unused;
         bool over;
+        uint32_t signs;
         if (__builtin_expect(c->deep, 0)) {
             if (asked == ANY)
                 walk_any(&f->here);
             else
                 walk_closest(&f->here);
-        } else if (come_to_tree(asked, &f->here, &unused, &over)) {
+        } else if (come_to_tree(asked, false, &f->here, &unused, &signs, &over)) {
+            f->here.tree_ray.planes = sagi_planes[signs];
             f->begins[0] = bits_float(NOTHING_BEGINS), f->children[0] = NOTHING, f->height = 1;
             f->at = c->first[0], f->begin = 0;
             queue_up(c, AT_NODE, f);

@@ -65,7 +65,6 @@ typedef struct level {
     search *search;
     const sag_ray *ray; // as it came
     double t_max;       // in place of the ray's own: for CLOSEST the best t so far
-    uint32_t mask;      // never 0
     uint32_t candidate_count;
     bool in_tree; // tree_ray is there
     float limit;  // what begins at a later τ does not matter
@@ -76,7 +75,6 @@ typedef struct level {
 SAGI_INLINE void enter(level *here, const sagi_world *world, const sag_ray *ray, search *s) {
     here->world = world, here->search = s;
     here->ray = ray, here->t_max = ray->t_max;
-    here->mask = ray->mask != 0 ? ray->mask : UINT32_MAX;
     here->candidate_count = 0;
     here->in_tree = false, here->limit = INFINITY;
 }
@@ -87,7 +85,10 @@ static inline void lower_t_max(level *here, double t) {
 }
 
 // Whether the ray sees the geometry.
-static inline bool sees(const level *here, const sagi_item *item) { return (here->mask & item->mask) != 0; }
+static inline bool sees(const level *here, const sagi_item *item) {
+    const uint32_t mask = here->ray->mask;
+    return mask == 0 || (mask & item->mask) != 0;
+}
 
 // Only triangles of meshes are in several leaves (scene/clip.c).
 static inline void collect(search *s, const sagi_world *world, const sag_hit *hit) {
@@ -175,29 +176,37 @@ typedef struct stack {
 // What a step needs of the ray, each number in all lanes: with enough registers it stays there from step to
 // step.
 typedef struct slabs {
-    sagi_f8 near_scale[3], near_add[3], far_scale[3], far_add[3], from;
-    const char *near_plane[3], *far_plane[3]; // of the node that stands first
+    sagi_f8 near_scale[3], near_back[3], far_scale[3], far_back[3], from;
+    sagi_plane_row planes; // of the node that stands first
 } slabs;
 
-SAGI_INLINE void place_planes(slabs *s, const sagi_plane_order *order, const void *first) {
-    for (int k = 0; k < 3; k++)
-        s->near_plane[k] = (const char *)first + order->near_at[k],
-        s->far_plane[k] = (const char *)first + order->far_at[k];
-}
 SAGI_INLINE slabs slabs_of(const sagi_float_ray *r, const void *first) {
     slabs s;
-    sagi_f8_fill3(&r->near_scale, s.near_scale), sagi_f8_fill3(&r->near_add, s.near_add);
-    sagi_f8_fill3(&r->far_scale, s.far_scale), sagi_f8_fill3(&r->far_add, s.far_add);
-    place_planes(&s, &r->planes, first);
-    s.from = sagi_f8_fill(r->from);
+    sagi_f8_fill3(&r->near_scale, s.near_scale), sagi_f8_fill3(&r->near_back, s.near_back);
+    sagi_f8_fill3(&r->far_scale, s.far_scale), sagi_f8_fill3(&r->far_back, s.far_back);
+    for (int k = 0; k < 3; k++)
+        s.planes.near_plane[k] = (const char *)first + r->planes.near_at[k],
+        s.planes.far_plane[k] = (const char *)first + r->planes.far_at[k];
+    s.from = sagi_f8_fill(r->first_low);
+    return s;
+}
+// The same of a ray of which the planes are told apart from it.
+SAGI_INLINE slabs slabs_at(const sagi_float_ray *r, const sagi_plane_row *planes) {
+    slabs s;
+    for (int k = 0; k < 3; k++) {
+        s.near_scale[k] = sagi_f8_fill(r->near_scale[k]), s.near_back[k] = sagi_f8_fill(r->near_back[k]);
+        s.far_scale[k] = sagi_f8_fill(r->far_scale[k]), s.far_back[k] = sagi_f8_fill(r->far_back[k]);
+    }
+    s.planes = *planes;
+    s.from = sagi_f8_fill(r->first_low);
     return s;
 }
 // Of a ray that is still in registers.
-SAGI_INLINE slabs slabs_now(const sagi_ray_slabs *r, const void *first) {
+SAGI_INLINE slabs slabs_now(const sagi_ray_slabs *r, const sagi_plane_row *planes) {
     slabs s;
-    sagi_f8_spread3(r->near_scale, s.near_scale), sagi_f8_spread3(r->near_add, s.near_add);
-    sagi_f8_spread3(r->far_scale, s.far_scale), sagi_f8_spread3(r->far_add, s.far_add);
-    place_planes(&s, r->planes, first);
+    sagi_f4s_spread3(r->near_scale, s.near_scale), sagi_f4s_spread3(r->near_back, s.near_back);
+    sagi_f4s_spread3(r->far_scale, s.far_scale), sagi_f4s_spread3(r->far_back, s.far_back);
+    s.planes = *planes;
     s.from = sagi_f8_fill(r->from);
     return s;
 }
@@ -205,10 +214,10 @@ SAGI_INLINE slabs slabs_now(const sagi_ray_slabs *r, const void *first) {
 // Where the ray enters and leaves each child's slab of one coordinate, of the node so many bytes after the
 // first one.
 SAGI_INLINE sagi_f8 entry(size_t node, const slabs *r, int k) {
-    return sagi_f8_fma(sagi_f8_load(r->near_plane[k] + node), r->near_scale[k], r->near_add[k]);
+    return sagi_f8_fms(sagi_f8_load(r->planes.near_plane[k] + node), r->near_scale[k], r->near_back[k]);
 }
 SAGI_INLINE sagi_f8 way_out(size_t node, const slabs *r, int k) {
-    return sagi_f8_fma(sagi_f8_load(r->far_plane[k] + node), r->far_scale[k], r->far_add[k]);
+    return sagi_f8_fms(sagi_f8_load(r->planes.far_plane[k] + node), r->far_scale[k], r->far_back[k]);
 }
 
 // Where it comes to each child, and where it leaves it or passes `limit`.
@@ -255,26 +264,27 @@ SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const slabs *r, floa
 }
 
 // What comes before the tree. False when the ray has no business there; *over when the search is over. The
-// usual ray's slabs need not wait until it has been written down.
-SAGI_INLINE bool come_to_tree(question asked, level *here, slabs *r, bool *over) {
+// usual ray's slabs need not wait until it has been written down. `plain`: as in sagi_world.
+SAGI_INLINE bool come_to_tree(question asked, bool plain, level *here, slabs *r, uint32_t *signs,
+                              bool *over) {
     // (Known before anything is called: fetched from *here later on, all would wait for it.)
     const sagi_world *world = here->world;
     const sag_ray *ray = here->ray;
     *over = false;
-    if (world->unbounded_count != 0) {
+    if (!plain && world->unbounded_count != 0) {
         if (!sag_ray_is_valid(ray)) return false;
         if (list(asked, here, world->unbounded, world->unbounded_count)) return !(*over = true);
     }
-    if (world->tree.node_count == 0) return false;
+    if (!plain && world->tree.node_count == 0) return false;
     sagi_ray_slabs now;
-    switch (sagi_float_ray_begin(world, ray, asked == ANY, &here->tree_ray, &now)) {
-    case RAY_MISSES: return false;
-    case RAY_WRITTEN: *r = slabs_of(&here->tree_ray, world->tree.nodes); break;
-    case RAY_NOW: *r = slabs_now(&now, world->tree.nodes); break;
-    }
+    const ray_state state = sagi_float_ray_begin(world, ray, asked == ANY, &here->tree_ray, &now);
+    if (state == RAY_MISSES) return false;
+    *signs = now.signs;
+    *r = state == RAY_NOW ? slabs_now(&now, &world->planes[now.signs])
+                          : slabs_at(&here->tree_ray, &world->planes[now.signs]);
     here->in_tree = true;
     here->limit = here->tree_ray.limit;
-    if (world->unbounded_count != 0 && here->t_max < ray->t_max) lower_t_max(here, here->t_max);
+    if (!plain && world->unbounded_count != 0 && here->t_max < ray->t_max) lower_t_max(here, here->t_max);
     return true;
 }
 
@@ -316,11 +326,13 @@ static __attribute__((noinline)) bool leaf_apart(question asked, level *here, co
 }
 
 // True when the search is over.
-SAGI_INLINE bool walk(question asked, level *here) {
+SAGI_INLINE bool walk(question asked, bool plain, level *here) {
     bool over;
+    uint32_t signs;
     const sagi_bvh *tree = &here->world->tree;
     slabs r;
-    if (!come_to_tree(asked, here, &r, &over)) return over;
+    if (!come_to_tree(asked, plain, here, &r, &signs, &over)) return over;
+    const sagi_plane_row *planes = &here->world->planes[signs];
     float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     stack waits = {begin, child, 0};
@@ -332,7 +344,7 @@ SAGI_INLINE bool walk(question asked, level *here) {
             if (!step(asked, tree, &r, limit, &waits, &next) && !pop(asked, limit, &waits, &next)) goto end;
         if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin, &answer)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
-        r = slabs_of(&here->tree_ray, tree->nodes); // anew, so that it need not be kept meanwhile
+        r = slabs_at(&here->tree_ray, planes); // anew, so that it need not be kept meanwhile
     }
 end:
     if (asked == CLOSEST && here->candidate_count > 0) settle_last(here);
@@ -341,9 +353,9 @@ end:
 
 #include "kernel/solid.inl"
 
-static bool walk_closest(level *here) { return walk(CLOSEST, here); }
-static bool walk_any(level *here) { return walk(ANY, here); }
-static bool walk_all(level *here) { return walk(ALL, here); }
+static bool walk_closest(level *here) { return walk(CLOSEST, false, here); }
+static bool walk_any(level *here) { return walk(ANY, false, here); }
+static bool walk_all(level *here) { return walk(ALL, false, here); }
 
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
@@ -351,10 +363,12 @@ static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit)
     s.grain = s.reach = 0, s.later = NULL, s.known = NULL;
     level here;
     enter(&here, world, ray, &s);
-    if (world->solid != NULL)
+    if (__builtin_expect(world->plain, 1))
+        walk(CLOSEST, true, &here);
+    else if (world->solid != NULL)
         search_solid(CLOSEST, &here);
     else
-        walk(CLOSEST, &here);
+        walk_closest(&here);
     return s.found;
 }
 
@@ -363,7 +377,8 @@ static bool occluded(const sagi_world *world, const sag_ray *ray) {
     s.found = false, s.both_sides = false, s.path_length = 0, s.later = NULL, s.known = NULL;
     level here;
     enter(&here, world, ray, &s);
-    return world->solid != NULL ? search_solid(ANY, &here) : walk(ANY, &here);
+    if (__builtin_expect(world->plain, 1)) return walk(ANY, true, &here);
+    return world->solid != NULL ? search_solid(ANY, &here) : walk_any(&here);
 }
 
 static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,
@@ -376,7 +391,7 @@ static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_s
         if (world->solid != NULL)
             search_solid(ALL, &here);
         else
-            walk(ALL, &here);
+            walk_all(&here);
     } while (sagi_repeats_hand_on(&s.repeats, &s.collector));
     sagi_collector_finish(&s.collector);
     return s.collector.count;
@@ -389,7 +404,7 @@ static void visit(const sagi_world *world, const sag_ray *ray, const sagi_visito
     if (world->solid != NULL)
         search_solid(ALL, &here);
     else
-        walk(ALL, &here);
+        walk_all(&here);
 }
 
 static bool begins_inside(const sagi_world *solid, const sag_ray *ray, bool *crossed) {

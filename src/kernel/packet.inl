@@ -132,12 +132,12 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
     sagi_f4 margin =
         (sagi_f4)((sagi_w4)start & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
     margin = (sagi_f4)((sagi_w4)margin | sign);
-    sagi_f4 near_add = -(start + margin) * near_scale, far_add = -(start - margin) * far_scale;
-    walker->near_scale = near_scale, walker->near_add = near_add;
-    walker->far_scale = far_scale, walker->far_add = far_add;
+    sagi_f4 near_back = (start + margin) * near_scale, far_back = (start - margin) * far_scale;
+    walker->near_scale = near_scale, walker->near_back = near_back;
+    walker->far_scale = far_scale, walker->far_back = far_back;
     walker->planes = sagi_planes[sagi_d4_signs(lo) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
-    walker->from = (float)(first * (1 - 0x1p-22)) + 0.0F; // not −0
+    walker->first_low = (float)(first * (1 - 0x1p-22)) + 0.0F; // not −0
     p->t_min = first, p->last = (float)(last * (1 - 0x1p-22)), p->unit = unit;
     p->error = 0x1p-43 + spread;
     if (p->doubtful != NULL)

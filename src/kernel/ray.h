@@ -16,7 +16,7 @@
 // (2⁻⁹⁰ of the scene's size stands for whatever underflows.) True coordinates lie in P ± δ.
 //
 // Slabs. With ρ = 1/D the ray enters a slab at N = (b − P)ρ, b its near plane. We compute
-//     fl(fl(b r) + a),   r = fl(ρ(1 − 2⁻²²)),   a = fl(−P r − (2⁻²²|P r| + δ|r|(1 + 2⁻²⁰) + 2⁻¹⁰⁰)).
+//     fl(fl(b r) − a),   r = fl(ρ(1 − 2⁻²²)),   a = fl(P r + (2⁻²²|P r| + δ|r|(1 + 2⁻²⁰) + 2⁻¹⁰⁰)).
 // Let v = 2⁻²⁴. r = ρ(1 − η) with 3v ≤ η ≤ 5v. The product errs by at most v|b r| ≤ v(|P r| + |N|), the
 // conversion of a by v|P r| plus v of the rest (the factor 1 + 2⁻²⁰ pays for that), the last sum by
 // v·max(N, 0) in the direction that matters. So the result is at most
@@ -43,21 +43,23 @@
 //
 // The quick way. Nearly all rays begin within 64 scenes' sizes, are of ordinary length, have no small Dᵢ and
 // t_min ≥ 0 (or so little less that the widening below covers it). For them τ₀ = 0, P = q, and floats will
-// do: p = fl(P) and r = fl(1/fl(D)), so that ρ = r(1 + η) with |η| ≤ 2.1v. With the factors 1 ∓ 2⁻²¹ in place
-// of 1 ∓ 2⁻²²,
-//     a = fl(−(p ± w) r'),   r' the scale,   w = 2⁻²¹|p| + 2⁻⁴⁰ + spread, the sign being D's for the entry:
-// p is off by v|P| and δ, its sum with w by v|p|, the product by v|p r'|, the fused sum by v of |a| or of N
-// and the product b r' by v|b r'| ≤ v(|P r'| + |N|): 4.1v|p| < 2⁻²¹|p| pays for those that go with P, and the
-// factor, at least 4.8v away from ρ, for those that go with N. That is the same bound in coarser coin: boxes
-// widened by 2⁻²¹ of the distance from the scene's middle.
+// do: p = fl(P), r = fl((1 − 2⁻²¹)/fl(D)) for the entry, which is ρ(1 − η) with 5.9v ≤ η ≤ 10.1v, and
+// fl(r(1 + 18v)) for the exit, which is ρ(1 + η) with 6.9v ≤ η ≤ 13.1v. Then, r' being one or the other,
+//     a = fl((p ± w) r'),   w = 2⁻²¹|p| + 2⁻⁴⁰ + spread, the sign being D's for the entry:
+// p is off by v|P| and δ, its sum with w by v|p|, the product by v|p r'|, the fused difference by v of |a| or
+// of N and the product b r' by v|b r'| ≤ v(|P r'| + |N|): 4.1v|p| < 2⁻²¹|p| pays for those that go with P,
+// and the factor, at least 5.9v away from ρ, for those that go with N. That is the same bound in coarser
+// coin: boxes widened by 2⁻²¹ of the distance from the scene's middle. The spread is that of the furthest
+// origin that comes this way, one for all of a world's rays: it is less than 2⁻³⁸ unless transforms are
+// steep. (Where it is infinite, all boxes are met.)
 //
 // Where a ray comes to a block (block.h): begin, the τ that is handed on with it, is at least the calculated
 // entry of each coordinate, but for the last three bits of which it is robbed (2⁻²⁰ of it), and at most the
 // calculated exit of each. Those are off, the entry downwards and the exit upwards, by what the boxes are
 // widened by and by the roundings that this pays for: in the quick way, times |Dᵢ|, less than
-//     (10.1v + 2v)|b − P| + (8v + 5v)|P| + v|b| + 2⁻⁴⁰ + spread,
+//     (13.1v + 2v)|b − P| + (8v + 5v)|P| + v|b| + 2⁻⁴⁰ + spread,
 // and 2⁻²⁰ begin|Dᵢ| ≤ 16v(|P| + 1.01), as the ray has left the scene by then. With |b| ≤ 1 and |P| ≤ 64 that
-// is below 43v · 65 + 2⁻³¹ < 2⁻¹²·⁵ in all: so far at most, and 2⁻²⁴ for the box's own rounding, does
+// is below 46v · 65 + 2⁻³¹ < 2⁻¹²·⁴ in all: so far at most, and 2⁻²⁴ for the box's own rounding, does
 // P + begin·D lie outside the numbers that the block's grid has. In the careful way |P| ≤ 1 + 2δ, and the
 // factors are nearer to 1; a coordinate of small |Dᵢ| has (b − P)r ≤ begin + 2T(1 + 2⁻²⁰) + 1 + roundings, so
 // that it is outside by 2⁻⁴⁰(begin + 2T + 2) more at most, where begin ≤ 4.1 and T ≤ 4.1, since another |Dᵢ|
@@ -95,24 +97,35 @@ static const sagi_plane_order sagi_planes[8] = {
 
 // Of three coordinates; the fourth place means nothing.
 typedef struct sagi_float_ray {
-    sagi_f4 near_scale, near_add; // entry = plane · scale + add
-    sagi_f4 far_scale, far_add;   // exit
+    sagi_f4 near_scale, near_back; // entry = plane · scale − back
+    sagi_f4 far_scale, far_back;   // exit
     sagi_plane_order planes;
-    float from;     // a lower bound of the τ that matter, at least 0 and not −0
-    int32_t finest; // with grids of this exponent and below (block.h), a block that the ray comes to at τ =
-                    // begin has P + begin·D at most 2¹⁴ steps outside, known to 2⁻⁵ steps; or −1
     union {
         struct {
-            float first_low, first_high; // lower and upper bound of τ of the ray's t_min,
-            float t_max, limit;          // and of its t_max
+            float first_low, first_high; // lower and upper bound of τ of the ray's t_min, the lower one of
+                                         // all that matter: at least 0 and not −0
+            float t_max, limit;          // the same of its t_max
         };
         sagi_f4 times; // all four
     };
     sagi_f4 direction; // D, rounded
     sagi_d4 p, d;      // P and D
-    double error;
-    double t_min;          // τ of the ray's t_min
-    double start, unit[3]; // τ = t · unit[0] · unit[1] · unit[2] − start
+    union {
+        struct {
+            double error;
+            int32_t
+                finest; // with grids of this exponent and below (block.h), a block that the ray comes to at
+                        // τ = begin has P + begin·D at most 2¹⁴ steps outside, known to 2⁻⁵ steps; or −1
+        };
+        struct sagi_quick quick;
+    };
+    double t_min; // τ of the ray's t_min
+    union {
+        struct {
+            double start, unit[3]; // τ = t · unit[0] · unit[1] · unit[2] − start
+        };
+        sagi_d4 units;
+    };
 } sagi_float_ray;
 
 static inline double power_of_two(int exponent) { // −1022 … 1023
@@ -155,22 +168,18 @@ static inline double greater(double a, double b) { return a > b ? a : b; }
 static inline double lesser(double a, double b) { return a < b ? a : b; }
 static inline double largest_of_three(sagi_d4 a) { return greater(a[0], greater(a[1], a[2])); }
 
-// The exponent of the finest grid on which a ray that is known so well begins near every block.
-static inline int32_t finest_of(double error) { return error <= 0x1p-31 ? 26 : -1; }
-
 // What is left once P, D and everything per coordinate is there.
 static inline void finish(sagi_float_ray *out, const sag_ray *ray, double enter, double leave, double delta) {
     out->start = enter;
     // A t beyond the doubles, as very short directions have it, is no hit.
     out->t_min = scaled_time(out, greater(ray->t_min, -DBL_MAX)) - enter;
-    out->first_low = time_floor(out, greater(ray->t_min, -DBL_MAX));
+    out->first_low = sagi_float_max(time_floor(out, greater(ray->t_min, -DBL_MAX)), 0);
     out->first_high = time_ceiling(out, greater(ray->t_min, -DBL_MAX));
-    out->from = 0;
     out->t_max = time_floor(out, lesser(ray->t_max, DBL_MAX));
     out->limit = sagi_float_ray_limit(out, ray->t_max);
     out->direction = sagi_d4_to_f4(out->d);
     out->error = delta + 0x1p-49 * (fabs(enter) + fabs(leave) + largest_of_three(sagi_d4_abs(out->p)) + 3);
-    out->finest = finest_of(out->error);
+    out->finest = sagi_finest_of(out->error);
 }
 
 // For a ray so far away (2¹⁰⁰ times the scene's size) or with so long a direction that doubles say nothing
@@ -178,14 +187,13 @@ static inline void finish(sagi_float_ray *out, const sag_ray *ray, double enter,
 static inline void make_blind(sagi_float_ray *out) {
     for (int k = 0; k < 3; k++) {
         out->near_scale[k] = out->far_scale[k] = 1;
-        out->near_add[k] = -FLT_MAX, out->far_add[k] = FLT_MAX;
+        out->near_back[k] = FLT_MAX, out->far_back[k] = -FLT_MAX;
     }
-    out->planes = sagi_planes[0];
     out->p = out->d = sagi_d4_fill(0);
     out->direction = (sagi_f4){0, 0, 0, 0};
     out->error = INFINITY;
-    out->t_min = -INFINITY, out->from = 0, out->finest = -1;
-    out->first_low = out->t_max = -INFINITY, out->first_high = out->limit = INFINITY;
+    out->t_min = -INFINITY, out->finest = -1;
+    out->first_low = 0, out->t_max = -INFINITY, out->first_high = out->limit = INFINITY;
     out->start = -INFINITY; // makes every limit infinite
 }
 
@@ -195,10 +203,10 @@ static inline void set_axis(sagi_float_ray *out, int k, double p, double d, doub
     float near = (float)(inverse * (1 - 0x1p-22)), far = (float)(inverse * (1 + 0x1p-22));
     double reach = fabs((double)far) * error * (1 + 0x1p-20) + 0x1p-100;
     if (small) reach += 2 * run * (1 + 0x1p-20) + 1;
-    double near_add = -p * near - (0x1p-22 * fabs(p * near) + reach);
-    double far_add = -p * far + (0x1p-22 * fabs(p * far) + reach);
+    double near_back = p * near + (0x1p-22 * fabs(p * near) + reach);
+    double far_back = p * far - (0x1p-22 * fabs(p * far) + reach);
     out->near_scale[k] = near, out->far_scale[k] = far;
-    out->near_add[k] = (float)fmax(near_add, -FLT_MAX), out->far_add[k] = (float)fmin(far_add, FLT_MAX);
+    out->near_back[k] = (float)fmin(near_back, FLT_MAX), out->far_back[k] = (float)fmax(far_back, -FLT_MAX);
 }
 
 // Fills *out; false when the ray certainly misses everything in the tree or is not valid.
@@ -256,62 +264,67 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
         delta = fmax(delta, error);
     }
     out->p[3] = out->d[3] = 0;
-    out->planes = sagi_planes[sagi_d4_signs(out->d)];
     finish(out, ray, enter, leave, delta);
     return true;
 }
 
 // What a walk needs of the ray first of all, before it is written down.
 typedef struct sagi_ray_slabs {
-    sagi_f4 near_scale, near_add, far_scale, far_add;
-    const sagi_plane_order *planes;
+    sagi_f4s near_scale, near_back, far_scale, far_back;
     float from;
+    uint32_t signs; // of D
 } sagi_ray_slabs;
 
-// What the quick way does, for directions of which 2^(exponent − 1) ≤ max|dᵢ| < 2^exponent. (The reciprocals
-// are those of d itself, so that they need not wait for its exponent; powers of two change no bit.)
+// What the quick way does, for directions of which 2^(exponent − 1) ≤ max|dᵢ| < 2^exponent; with an exponent
+// other than 0, t_min may be a little below 0. (The reciprocals are those of d itself, so that they need not
+// wait for its exponent; powers of two change no bit.) The planes' order is left to who needs it.
 SAGI_INLINE sagi_ray_slabs take_quick_way(const sagi_world *world, const sag_ray *ray, sagi_d4 q, sagi_d4 d,
-                                          sagi_f4 p, sagi_f4 raw, int exponent, double spread,
-                                          sagi_float_ray *out) {
-    const double unit = power_of_two(exponent) * world->scale, down = power_of_two(-exponent);
-    const float up = (float)power_of_two(exponent);
-    const sagi_f4 inverse = 1 / raw;
-    sagi_w4 sign = (sagi_w4)raw & INT32_MIN;
-    sagi_f4 wide = (sagi_f4)((sagi_w4)p & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
-    wide = (sagi_f4)((sagi_w4)wide | sign);
+                                          sagi_f4 p_once, sagi_f4 raw_once, bool scaled, int exponent,
+                                          uint32_t signs, sagi_float_ray *out) {
+    const float up = scaled ? (float)power_of_two(exponent) : 1;
+    const sagi_f4s p = sagi_f4s_of(p_once), raw = sagi_f4s_of(raw_once);
+    const sagi_f4s size = (sagi_f4s)((sagi_w4s)p & INT32_MAX);
+    sagi_f4s wide = sagi_f4s_fma(size, sagi_f4s_fill(0x1p-21F), sagi_f4s_fill(world->quick.wide));
+    wide = (sagi_f4s)((sagi_w4s)wide | ((sagi_w4s)raw & INT32_MIN));
     sagi_ray_slabs now;
-    now.near_scale = inverse * (up * (1 - 0x1p-21F)), now.far_scale = inverse * (up * (1 + 0x1p-21F));
-    now.near_add = -(p + wide) * now.near_scale, now.far_add = (wide - p) * now.far_scale;
-    now.planes = &sagi_planes[sagi_d4_signs(d) & 7];
-    out->near_scale = now.near_scale, out->near_add = now.near_add;
-    out->far_scale = now.far_scale, out->far_add = now.far_add;
-    out->planes = *now.planes;
-    out->p = q, out->d = d * sagi_d4_fill(down), out->direction = raw * (float)down;
-    out->start = 0, out->unit[0] = unit, out->unit[1] = out->unit[2] = 1;
+    now.near_scale = (up * (1 - 0x1p-21F)) / raw, now.far_scale = now.near_scale * (1 + 18 * 0x1p-24F);
+    now.near_back = (p + wide) * now.near_scale, now.far_back = (p - wide) * now.far_scale;
+    now.signs = signs;
+    out->near_scale = sagi_f4s_once(now.near_scale), out->near_back = sagi_f4s_once(now.near_back);
+    out->far_scale = sagi_f4s_once(now.far_scale), out->far_back = sagi_f4s_once(now.far_back);
+    out->p = q, out->d = d, out->direction = raw_once;
+    out->units = world->units, out->quick = world->quick;
+    double unit = world->scale;
+    if (scaled) {
+        const double down = power_of_two(-exponent);
+        out->d *= sagi_d4_fill(down), out->direction *= (float)down;
+        out->unit[0] = unit *= power_of_two(exponent);
+    }
     out->t_min = ray->t_min * unit;
     // A product of doubles with powers of two, one rounding to float and two at most here (v each, less than
-    // 4v together): bounds, and t may be 4 ulp off.
+    // 4v together): bounds, and t may be 4 ulp off. (Where numbers are so small that floats do not hold them,
+    // they are off by 2⁻¹⁵⁰: no matter, since exits are overstated by 2⁻⁴⁰.)
     const sagi_d4 range =
         sagi_d4_load((const char *)ray + offsetof(sag_ray, direction.y)); // the last two of it
     const sagi_d4 times = SAGI_D4_SHUFFLE2(range, range, 2, 2, 3, 3);
     const sagi_f4 scales = {1 - 0x1p-22F, 1 + 0x1p-22F, 1 - 0x1p-22F, 1 + 0x1p-22F};
-    const sagi_f4 shifts = {-0x1p-70F, 0x1p-70F, -0x1p-70F, 0x1p-70F};
-    out->times = sagi_f4_fma(sagi_d4_to_f4(times * sagi_d4_fill(unit)), scales, shifts);
-    out->from = now.from = out->first_low > 0 ? out->first_low : 0;
-    out->error = 0x1p-43 + spread, out->finest = finest_of(out->error);
+    const sagi_f4 shifts = {0, 0x1p-70F, -0x1p-70F, 0x1p-70F};
+    const sagi_f4 bounds = sagi_f4_fma(sagi_d4_to_f4(times * sagi_d4_fill(unit)), scales, shifts);
+    out->times = bounds, now.from = bounds[0];
+    if (scaled) out->first_low = now.from = bounds[0] > 0 ? bounds[0] : 0;
     return now;
-}
-
-// How far transforms may have moved things, in tree's units.
-SAGI_INLINE double spread_of(const sagi_world *world, sagi_d4 o) {
-    if (!world->has_spread) return 0;
-    return (largest_of_three(sagi_d4_abs(o)) * world->spread_relative + world->spread_absolute) *
-           world->scale * 0x1p-50;
 }
 
 // How a ray is there: not at all, as it certainly misses everything in the tree or is not valid; written
 // down; or also still in registers.
 typedef enum ray_state { RAY_MISSES, RAY_WRITTEN, RAY_NOW } ray_state;
+
+static inline ray_state careful_state(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out,
+                                      sagi_ray_slabs *now) {
+    if (!make_carefully(world, ray, out)) return RAY_MISSES;
+    now->signs = sagi_d4_signs(out->d) & 7;
+    return RAY_WRITTEN;
+}
 
 // Directions of any length: the quick way where it is allowed, else the careful one.
 SAGI_INLINE ray_state make_any_length(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out,
@@ -319,58 +332,62 @@ SAGI_INLINE ray_state make_any_length(const sagi_world *world, const sag_ray *ra
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
     sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
-    const double largest = largest_of_three(size), spread = spread_of(world, o);
+    const double largest = largest_of_three(size);
     sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
     if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min <= ray->t_max &&
-          (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
-        return make_carefully(world, ray, out) ? RAY_WRITTEN : RAY_MISSES;
+          (sagi_d4_signs((sagi_d4)usual) & 7) == 7))
+        return careful_state(world, ray, out, now);
     union {
         double value;
         uint64_t bits;
     } u = {.value = largest};
     int exponent = (int)(u.bits >> 52) - 1022;
     if (!(ray->t_min * power_of_two(exponent) * world->scale >= -0x1p-44 && ray->t_max >= 0))
-        return make_carefully(world, ray, out) ? RAY_WRITTEN : RAY_MISSES;
-    *now = take_quick_way(world, ray, q, d, sagi_d4_to_f4(q), sagi_d4_to_f4(d), exponent, spread, out);
+        return careful_state(world, ray, out, now);
+    *now = take_quick_way(world, ray, q, d, sagi_d4_to_f4(q), sagi_d4_to_f4(d), true, exponent,
+                          sagi_d4_signs(d) & 7, out);
     return RAY_NOW;
 }
-static __attribute__((noinline)) bool make_unusual(const sagi_world *world, const sag_ray *ray,
-                                                   sagi_float_ray *out) {
-    sagi_ray_slabs unused;
-    return make_any_length(world, ray, out, &unused) != RAY_MISSES;
+static __attribute__((noinline)) uint32_t make_unusual(const sagi_world *world, const sag_ray *ray,
+                                                       sagi_float_ray *out) {
+    sagi_ray_slabs made;
+    return make_any_length(world, ray, out, &made) != RAY_MISSES ? made.signs : UINT32_MAX;
 }
 
-// Fills *out. Mostly max|dᵢ| is in [½, 1) as it comes, unless the ray is one between two points (`shadow`),
-// and no |dᵢ| is below 2⁻³⁹; then there is little to do, and nothing of it in a row. (Rounded to floats,
-// numbers are still ≥ 2⁻³⁹; what rounds to something below 1 is below 1, and what rounds to more than ½ is at
-// least ½.)
+// Fills *out but for the planes' order. Mostly max|dᵢ| is in [½, 1) as it comes, unless the ray is one
+// between two points (`shadow`), and no |dᵢ| is below 2⁻³²; then there is little to do, and nothing of it in
+// a row. (Rounded to floats, numbers are still ≥ 2⁻³²; what rounds to something below 1 is below 1, and what
+// rounds to more than ½ is at least ½.) Floats without a sign are in order as whole numbers, so that one sum
+// says where each of six is: in [2⁻³², 1) where it has none of the first four bits, below 64 where it has not
+// the first; and another one, whether one is above ½.
 SAGI_INLINE ray_state sagi_float_ray_begin(const sagi_world *world, const sag_ray *ray, bool shadow,
                                            sagi_float_ray *out, sagi_ray_slabs *now) {
-    sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction));
+    sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
     sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
     sagi_f4 raw = sagi_d4_to_f4(d), p = sagi_d4_to_f4(q);
-    const sagi_f8 size = sagi_f8_abs(sagi_f8_join(raw, p)); // of d, t_min, q, anything
-    const sagi_f8 most = {1, 1, 1, FLT_MAX, 64, 64, 64, FLT_MAX};
-    const sagi_f8 least = {0x1p-39F, 0x1p-39F, 0x1p-39F, 0, 0, 0, 0, 0};
-    const sagi_i8 fits = sagi_f8_less(size, most) & sagi_f8_at_most(least, size); // no NaN
-    const uint32_t fit = (uint32_t)sagi_i8_mask(fits),
-                   long_enough = (uint32_t)sagi_i8_mask(sagi_f8_above(size, 0.5F));
-    const double spread = spread_of(world, o);
-    const bool usual = (fit & 0x77) == 0x77 && (long_enough & 7) != 0 && ray->t_min >= 0 &&
-                       ray->t_min <= ray->t_max && spread < 1;
-    if (usual) {
-        *now = take_quick_way(world, ray, q, d, p, raw, 0, spread, out);
+    const int32_t least = -0x2F800000 /* 2⁻³² */, most = 0x3D800000 /* 2³¹ less 64 */, no = INT32_MIN;
+    const sagi_i8 shift = {least, least, least, 0, most, most, most, 0};
+    const sagi_i8 at = sagi_f8_bits(sagi_f8_abs(sagi_f8_join(raw, p))) + shift;
+    const int32_t high = no | 0x70000000, half = 0x10000000;
+    const uint32_t signs = sagi_d4_signs(d);
+    if (sagi_i8_none(at, (sagi_i8){high, high, high, 0, no, no, no, 0}) &&
+        !sagi_i8_none(at + 0x7FFFFF, (sagi_i8){half, half, half, 0, 0, 0, 0, 0}) && signs < 8 &&
+        ray->t_min <= ray->t_max) {
+        *now = take_quick_way(world, ray, q, d, p, raw, false, 0, signs, out);
         return RAY_NOW;
     }
     if (shadow) return make_any_length(world, ray, out, now);
-    return make_unusual(world, ray, out) ? RAY_WRITTEN : RAY_MISSES;
+    now->signs = make_unusual(world, ray, out);
+    return now->signs < 8 ? RAY_WRITTEN : RAY_MISSES;
 }
 
-// The same; false when it is not there.
+// All of it; false when it is not there.
 SAGI_INLINE bool sagi_float_ray_make(const sagi_world *world, const sag_ray *ray, sagi_float_ray *out) {
-    sagi_ray_slabs unused;
-    return sagi_float_ray_begin(world, ray, false, out, &unused) != RAY_MISSES;
+    sagi_ray_slabs now;
+    if (sagi_float_ray_begin(world, ray, false, out, &now) == RAY_MISSES) return false;
+    out->planes = sagi_planes[now.signs];
+    return true;
 }
 
 #endif

@@ -138,7 +138,7 @@ SAGI_INLINE void open_few(solid_walk *w, float limit) {
 // The τ that `until` does not exceed.
 SAGI_INLINE float limit_of(const solid_walk *w, double until) {
     if (!(until < INFINITY) || !w->here->in_tree) return INFINITY;
-    return sagi_float_max(sagi_float_ray_limit(&w->here->tree_ray, until), w->here->tree_ray.from);
+    return sagi_float_max(sagi_float_ray_limit(&w->here->tree_ray, until), w->here->tree_ray.first_low);
 }
 
 // Opens the leaf whose box is the next, if it begins at `until` or before; false when none does.

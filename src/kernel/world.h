@@ -32,9 +32,27 @@ typedef struct sagi_item {
     bool mirrored;                      // a mesh whose transform turned its triangles' sense of rotation
 } sagi_item;
 
+// The exponent of the finest grid on which a ray that is known so well begins near every block (ray.h).
+static inline int32_t sagi_finest_of(double error) { return error <= 0x1p-31 ? 26 : -1; }
+
+// The tree's first node's planes that a ray comes to first and last, by coordinate.
+typedef struct sagi_plane_row {
+    const char *near_plane[3], *far_plane[3], *unused[2];
+} sagi_plane_row;
+
 struct sagi_world {
     sagi_d4 center, lower, upper; // the origin, and the tree's box, in doubles for ray.h
-    sagi_bvh tree;                // boxes are ((p − origin) · scale), within [−1, 1]
+    sagi_d4 units;                // 0, scale, 1, 1: start and unit of most rays (ray.h)
+    // Of a ray that begins within 64 times the scene's size of its origin (ray.h): its error, its finest
+    // grid, and what its boxes are widened by, but for what depends on the distance.
+    struct sagi_quick {
+        double error;
+        int32_t finest;
+        float wide;
+    } quick;
+    bool plain;               // a tree, and nothing beside it: neither a solid nor anything unbounded
+    sagi_plane_row planes[8]; // by the signs of a ray's direction
+    sagi_bvh tree;            // boxes are ((p − origin) · scale), within [−1, 1]
     sag_vec3 origin;
     double scale; // a power of two
     const sagi_item *items;

@@ -7,6 +7,7 @@
 #ifndef SAGI_MATH_SIMD_H
 #define SAGI_MATH_SIMD_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -140,6 +141,10 @@ SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) { return (sagi_f8)_mm256_sqrt_ps(a);
 SAGI_INLINE sagi_d4 sagi_d4_sqrt(sagi_d4 a) { return (sagi_d4)_mm256_sqrt_pd(a); }
 SAGI_INLINE sagi_d4 sagi_d4_min(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_min_pd(a, b); }
 SAGI_INLINE sagi_d4 sagi_d4_max(sagi_d4 a, sagi_d4 b) { return (sagi_d4)_mm256_max_pd(a, b); }
+// Whether no bit of the mask is set.
+SAGI_INLINE bool sagi_i8_none(sagi_i8 a, sagi_i8 mask) {
+    return _mm256_testz_si256((__m256i)a, (__m256i)mask) != 0;
+}
 // Three numbers; the fourth lane holds anything.
 SAGI_INLINE sagi_d4 sagi_d4_load3(const double *p) {
     return (sagi_d4)_mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(p)), _mm_load_sd(p + 2), 1);
@@ -192,11 +197,19 @@ SAGI_INLINE void sagi_f8_fill3(const sagi_f4 *a, sagi_f8 out[3]) {
     out[0] = (sagi_f8)_mm256_permute_ps(twice, 0x00), out[1] = (sagi_f8)_mm256_permute_ps(twice, 0x55);
     out[2] = (sagi_f8)_mm256_permute_ps(twice, 0xaa);
 }
-SAGI_INLINE void sagi_f8_spread3(sagi_f4 a, sagi_f8 out[3]) { // from a register
-    __m256 twice = _mm256_set_m128((__m128)a, (__m128)a);
-    out[0] = (sagi_f8)_mm256_permute_ps(twice, 0x00), out[1] = (sagi_f8)_mm256_permute_ps(twice, 0x55);
-    out[2] = (sagi_f8)_mm256_permute_ps(twice, 0xaa);
+// The same from a register, of four numbers that are there twice where a register has room for eight.
+typedef sagi_f8 sagi_f4s;
+typedef sagi_i8 sagi_w4s;
+SAGI_INLINE sagi_f4s sagi_f4s_of(sagi_f4 a) { return (sagi_f4s)_mm256_set_m128((__m128)a, (__m128)a); }
+SAGI_INLINE sagi_f4s sagi_f4s_fill(float x) { return (sagi_f4s){x, x, x, x, x, x, x, x}; }
+SAGI_INLINE sagi_f4 sagi_f4s_once(sagi_f4s a) { return (sagi_f4)_mm256_castps256_ps128((__m256)a); }
+SAGI_INLINE sagi_f4s sagi_f4s_fma(sagi_f4s a, sagi_f4s b, sagi_f4s c) { return sagi_f8_fma(a, b, c); }
+SAGI_INLINE void sagi_f4s_spread3(sagi_f4s a, sagi_f8 out[3]) {
+    out[0] = (sagi_f8)_mm256_permute_ps((__m256)a, 0x00),
+    out[1] = (sagi_f8)_mm256_permute_ps((__m256)a, 0x55);
+    out[2] = (sagi_f8)_mm256_permute_ps((__m256)a, 0xaa);
 }
+SAGI_INLINE void sagi_f8_spread3(sagi_f4 a, sagi_f8 out[3]) { sagi_f4s_spread3(sagi_f4s_of(a), out); }
 // The least of eight whole numbers without a sign.
 SAGI_INLINE __m128i sagi_i8_least_lane(sagi_i8 a) {
     __m128i m = _mm_min_epu32(_mm256_castsi256_si128((__m256i)a), _mm256_extracti128_si256((__m256i)a, 1));
@@ -237,8 +250,19 @@ SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) { // 
 SAGI_INLINE sagi_d4 sagi_d4_sqrt(sagi_d4 a) {
     return (sagi_d4){__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]), __builtin_sqrt(a[3])};
 }
-SAGI_INLINE void sagi_f8_spread3(sagi_f4 a, sagi_f8 out[3]) {
+typedef sagi_f4 sagi_f4s;
+typedef sagi_w4 sagi_w4s;
+SAGI_INLINE sagi_f4s sagi_f4s_of(sagi_f4 a) { return a; }
+SAGI_INLINE sagi_f4s sagi_f4s_fill(float x) { return (sagi_f4s){x, x, x, x}; }
+SAGI_INLINE sagi_f4 sagi_f4s_once(sagi_f4s a) { return a; }
+SAGI_INLINE sagi_f4s sagi_f4s_fma(sagi_f4s a, sagi_f4s b, sagi_f4s c) { return a * b + c; }
+SAGI_INLINE void sagi_f4s_spread3(sagi_f4s a, sagi_f8 out[3]) {
     for (int k = 0; k < 3; k++) out[k] = sagi_f8_fill(a[k]);
+}
+SAGI_INLINE void sagi_f8_spread3(sagi_f4 a, sagi_f8 out[3]) { sagi_f4s_spread3(a, out); }
+SAGI_INLINE bool sagi_i8_none(sagi_i8 a, sagi_i8 mask) {
+    const sagi_l4 both = (sagi_l4)(a & mask);
+    return ((both[0] | both[1]) | (both[2] | both[3])) == 0;
 }
 SAGI_INLINE void sagi_f8_fill3(const sagi_f4 *a, sagi_f8 out[3]) {
     for (int i = 0; i < 3; i++) out[i] = sagi_f8_fill((*a)[i]);

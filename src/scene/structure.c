@@ -140,6 +140,17 @@ static void write_boxes(void *argument, size_t index) {
     }
 }
 
+// What rays that begin within 64 scenes' sizes have in common (kernel/ray.h): |o|∞ ≤ |C|∞ + 64/scale.
+static struct sagi_quick describe_quick(const sagi_world *w) {
+    double furthest = sag_max_component(sag_abs(w->origin)) + 64 / w->scale;
+    double spread = (furthest * w->spread_relative + w->spread_absolute) * w->scale * 0x1p-50 * (1 + 0x1p-20);
+    if (!w->has_spread) spread = 0;
+    if (!(spread < 1)) spread = INFINITY;
+    return (struct sagi_quick){.error = 0x1p-43 + spread,
+                               .finest = sagi_finest_of(0x1p-43 + spread),
+                               .wide = (float)((0x1p-40 + spread) * (1 + 0x1p-20))};
+}
+
 // The same for the kernel's eyes; the fourth place means nothing.
 static void describe_units(sagi_snapshot *s) {
     const sagi_float_box *b = &s->world.tree.box;
@@ -147,6 +158,17 @@ static void describe_units(sagi_snapshot *s) {
     s->world.center = (sagi_d4){s->world.origin.x, s->world.origin.y, s->world.origin.z, 0};
     s->world.lower = (sagi_d4){b->lo[0], b->lo[1], b->lo[2], 0};
     s->world.upper = (sagi_d4){b->hi[0], b->hi[1], b->hi[2], 0};
+    s->world.units = (sagi_d4){0, s->world.scale, 1, 1};
+    s->world.quick = describe_quick(&s->world);
+    s->world.plain = s->world.tree.node_count > 0 && s->world.unbounded_count == 0 && s->world.solid == NULL;
+    if (s->world.tree.node_count == 0) return;
+    for (uint32_t signs = 0; signs < 8; signs++)
+        for (uint32_t k = 0; k < 3; k++) {
+            const bool falls = (signs >> k & 1) != 0;
+            const sagi_bvh_node *first = s->world.tree.nodes;
+            s->world.planes[signs].near_plane[k] = (const char *)first->plane[falls ? k + 3 : k];
+            s->world.planes[signs].far_plane[k] = (const char *)first->plane[falls ? k : k + 3];
+        }
 }
 
 // ‖A‖∞, the largest row sum, of |M|, of |M⁻¹| and of |M||M⁻¹|, and |M| times the largest |translation back|.
