@@ -65,10 +65,12 @@ typedef struct level {
     search *search;
     const sag_ray *ray; // as it came
     double t_max;       // in place of the ray's own: for CLOSEST the best t so far
-    uint32_t candidate_count;
+    uint16_t candidate_count;
     bool in_tree; // tree_ray is there
+    bool lone;    // if there is a candidate, it is the only one: a triangle of lone_mesh
     float limit;  // what begins at a later τ does not matter
     candidate candidates[MAX_CANDIDATES];
+    const sag_mesh *lone_mesh;
     sagi_float_ray tree_ray;
 } level;
 
@@ -76,7 +78,7 @@ SAGI_INLINE void enter(level *here, const sagi_world *world, const sag_ray *ray,
     here->world = world, here->search = s;
     here->ray = ray, here->t_max = ray->t_max;
     here->candidate_count = 0;
-    here->in_tree = false, here->limit = INFINITY;
+    here->in_tree = here->lone = false, here->limit = INFINITY;
 }
 
 static inline void lower_t_max(level *here, double t) {
@@ -115,6 +117,19 @@ static inline void write_hit(const search *s, uint32_t geometry, uint32_t primit
     for (uint32_t i = 0; i < s->path_length; i++) hit->instance_path[i] = s->path[i];
 }
 _Static_assert(SAG_INVALID_ID == UINT32_MAX, "all its bits are set");
+
+// The same of a triangle of the outermost world, with t, u, v and anything in a vector.
+SAGI_INLINE void write_triangle(sagi_d4 tuv, uint32_t geometry, uint32_t primitive, sag_hit *hit) {
+    static const uint32_t rest[] = {0,          UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX,
+                                    UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, 0};
+    _Static_assert(offsetof(sag_hit, v) == 16 && offsetof(sag_hit, primitive) == 24, "t, u, v come first");
+    _Static_assert(offsetof(sag_hit, instance_depth) == 32 && sizeof(sag_hit) == 32 + sizeof rest &&
+                       sizeof hit->instance_path == 32,
+                   "then the path and `flipped`");
+    memcpy(hit, &tuv, sizeof tuv);
+    hit->primitive = primitive, hit->geometry = geometry;
+    memcpy(&hit->instance_depth, rest, sizeof rest);
+}
 
 static inline double room_of(const search *s, double t) { return s->grain * (fabs(t) + s->reach); }
 

@@ -290,8 +290,8 @@ static __attribute__((noinline)) void settle(level *here) {
     here->candidate_count = 0;
 }
 
-// CLOSEST: settle where nothing is to come any more. Mostly there is one triangle, and no hit yet.
-SAGI_INLINE void settle_last(level *here) {
+// CLOSEST: settle where nothing is to come any more, of whatever is left.
+static __attribute__((noinline)) void settle_left(level *here) {
     search *s = here->search;
     const candidate *c = &here->candidates[0];
     if (here->candidate_count != 1 || s->found || c->block->kind != SAGI_BLOCK_TRIANGLES) {
@@ -313,6 +313,45 @@ SAGI_INLINE void settle_last(level *here) {
     here->t_max = t + room_of(s, t);
 }
 
+// What a search's found, odd, near, both_sides and path_length say in one number: 0 where there is no hit yet
+// and no instance around.
+SAGI_INLINE uint64_t state_of(const search *s) {
+    _Static_assert(offsetof(search, path_length) == offsetof(search, found) + 4 &&
+                       offsetof(search, both_sides) == offsetof(search, found) + 3,
+                   "they stand side by side");
+    uint64_t state;
+    memcpy(&state, &s->found, sizeof state);
+    return state;
+}
+
+// The same. Mostly there is one triangle, and no hit yet. (Only vertices in doubles may be mirrored.)
+SAGI_INLINE void settle_last(level *here) {
+    search *s = here->search;
+    const candidate *c = &here->candidates[0];
+    if (__builtin_expect(!here->lone || state_of(s) != 0, 0)) {
+        settle_left(here);
+        return;
+    }
+    const sag_mesh *mesh = here->lone_mesh;
+    const uint32_t primitive = ((const sagi_triangle_block *)(const void *)c->block)->primitive[c->lane];
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)primitive;
+    const size_t at[3] = {3 * (size_t)corner[0], 3 * (size_t)corner[1], 3 * (size_t)corner[2]};
+    const float *vertex = mesh->positions_f32;
+    sagi_d4 tuv;
+    if (__builtin_expect(mesh->positions_f64 != NULL, 0) ||
+        __builtin_expect(!sagi_triangle_solve_quick(
+                             here->ray, here->t_max, sagi_d4_load4_float(vertex + at[0]),
+                             sagi_d4_load4_float(vertex + at[1]), sagi_d4_load4_float(vertex + at[2]), &tuv),
+                         0)) {
+        settle_left(here);
+        return;
+    }
+    SAGI_KERNEL_COUNT(solved);
+    write_triangle(tuv, c->block->geometry, primitive, s->best);
+    s->found = s->odd = true, s->near = s->both_sides = false;
+    here->t_max = tuv[0] + room_of(s, tuv[0]);
+}
+
 // CLOSEST: a certain hit bounds what still matters, though its t is not known yet. False when it does not
 // matter itself.
 static inline bool add_candidate(level *here, const sagi_block *block, uint32_t lane, float earliest,
@@ -325,8 +364,16 @@ static inline bool add_candidate(level *here, const sagi_block *block, uint32_t 
     here->candidate_count = kept;
     if (kept == MAX_CANDIDATES) settle(here);
     here->candidates[here->candidate_count++] = (candidate){block, lane, earliest};
+    here->lone = false;
     return true;
 }
+
+// How far apart a grid's lines are, for each sagi_block.exponent.
+#define LINE(i)  (1.0F / ((uint64_t)1 << (i)))
+#define LINE4(i) LINE(i), LINE((i) + 1), LINE((i) + 2), LINE((i) + 3)
+static const float grid_lines[] = {LINE4(0),  LINE4(4),  LINE4(8),  LINE4(12), LINE4(16), LINE4(20),
+                                   LINE4(24), LINE4(28), LINE4(32), LINE4(36), LINE(40)};
+_Static_assert(sizeof grid_lines == (SAGI_GRID_MAX_EXPONENT + 1) * sizeof(float), "all of them");
 
 // When the candidate in a lane of the block is met. False when that is before the block's box: a triangle
 // that stands in several leaves may have it so, and is the matter of the leaf that holds the hit.
@@ -339,7 +386,13 @@ SAGI_INLINE bool times_of(const sagi_triangle_block *block, const block_answer *
     *earliest = (begin + sagi_float_max((t - b0) / (d + answer->b1), 0) * step) * (1 - 0x1p-20F);
     return !(t + b0 < 0);
 }
-SAGI_INLINE void fetch_numbers(const sag_mesh *mesh, const sagi_triangle_block *block, uint32_t lane) {
+// The latest alone, in few instructions; less than begin only where times_of says false.
+SAGI_INLINE float latest_of(const sagi_triangle_block *block, const block_answer *answer, size_t lane,
+                            float begin) {
+    const float x = (answer->t[lane] + answer->b0[lane]) / (answer->d[lane] - answer->b1);
+    return (begin + x * grid_lines[block->head.exponent]) * (1 + 0x1p-20F);
+}
+SAGI_INLINE void fetch_numbers(const sag_mesh *mesh, const sagi_triangle_block *block, size_t lane) {
     __builtin_prefetch(mesh->triangles + 3 * (size_t)block->primitive[lane]);
 }
 
@@ -361,12 +414,12 @@ SAGI_INLINE bool take_only(level *here, const sagi_triangle_block *block, const 
     if (answer->uncertain != 0 || (certain & (certain - 1)) != 0 || here->candidate_count != 0 ||
         mesh->one_sided || !sees(here, item))
         return false;
-    const uint32_t lane = (uint32_t)__builtin_ctz(certain);
-    float earliest, latest;
-    if (!times_of(block, answer, lane, begin, &earliest, &latest)) return true;
+    const size_t lane = (size_t)__builtin_ctzll(certain);
+    const float latest = latest_of(block, answer, lane, begin);
+    if (latest < begin) return true;
     here->limit = sagi_float_min(here->limit, latest);
-    if (!(earliest <= here->limit)) return true;
-    here->candidates[0] = (candidate){&block->head, lane, earliest}, here->candidate_count = 1;
+    here->candidates[0] = (candidate){&block->head, (uint32_t)lane, begin}, here->lone_mesh = mesh;
+    here->candidate_count = 1, here->in_tree = here->lone = true;
     fetch_numbers(mesh, block, lane);
     return true;
 }
