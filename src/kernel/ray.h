@@ -51,7 +51,7 @@
 // and the factor, at least 5.9v away from ρ, for those that go with N. That is the same bound in coarser
 // coin: boxes widened by 2⁻²¹ of the distance from the scene's middle. The spread is that of the furthest
 // origin that comes this way, one for all of a world's rays: it is less than 2⁻³⁸ unless transforms are
-// steep. (Where it is infinite, all boxes are met.)
+// steep. (Where it is not below 1, no ray comes this way.)
 //
 // Where a ray comes to a block (block.h): begin, the τ that is handed on with it, is at least the calculated
 // entry of each coordinate, but for the last three bits of which it is robbed (2⁻²⁰ of it), and at most the
@@ -331,7 +331,7 @@ SAGI_INLINE ray_state make_any_length(const sagi_world *world, const sag_ray *ra
                                       sagi_ray_slabs *now) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
-    sagi_d4 size = sagi_d4_abs(d), q = (o - world->center) * sagi_d4_fill(world->scale);
+    sagi_d4 size = sagi_d4_abs(d), q = (o - world->quick_center) * sagi_d4_fill(world->scale);
     const double largest = largest_of_three(size);
     sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
     if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min <= ray->t_max &&
@@ -364,7 +364,7 @@ SAGI_INLINE ray_state sagi_float_ray_begin(const sagi_world *world, const sag_ra
                                            sagi_float_ray *out, sagi_ray_slabs *now) {
     sagi_d4 d = sagi_d4_load((const char *)ray + offsetof(sag_ray, direction)); // the fourth is t_min
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));
-    sagi_d4 q = (o - world->center) * sagi_d4_fill(world->scale);
+    sagi_d4 q = (o - world->quick_center) * sagi_d4_fill(world->scale);
     sagi_f4 raw = sagi_d4_to_f4(d), p = sagi_d4_to_f4(q);
     const int32_t least = -0x2F800000 /* 2⁻³² */, most = 0x3D800000 /* 2³¹ less 64 */, no = INT32_MIN;
     const sagi_i8 shift = {least, least, least, 0, most, most, most, 0};

@@ -42,7 +42,10 @@ typedef struct sagi_plane_row {
 
 struct sagi_world {
     sagi_d4 center, lower, upper; // the origin, and the tree's box, in doubles for ray.h
-    sagi_d4 units;                // 0, scale, 1, 1: start and unit of most rays (ray.h)
+    // The origin once more; NaN where transforms may move things by more than the scene's size, which makes
+    // rays go the careful way (ray.h).
+    sagi_d4 quick_center;
+    sagi_d4 units; // 0, scale, 1, 1: start and unit of most rays (ray.h)
     // Of a ray that begins within 64 times the scene's size of its origin (ray.h): its error, its finest
     // grid, and what its boxes are widened by, but for what depends on the distance.
     struct sagi_quick {

@@ -160,6 +160,8 @@ static void describe_units(sagi_snapshot *s) {
     s->world.upper = (sagi_d4){b->hi[0], b->hi[1], b->hi[2], 0};
     s->world.units = (sagi_d4){0, s->world.scale, 1, 1};
     s->world.quick = describe_quick(&s->world);
+    s->world.quick_center = s->world.center;
+    if (!(s->world.quick.error < INFINITY)) s->world.quick_center = (sagi_d4){NAN, NAN, NAN, NAN};
     s->world.plain = s->world.tree.node_count > 0 && s->world.unbounded_count == 0 && s->world.solid == NULL;
     if (s->world.tree.node_count == 0) return;
     for (uint32_t signs = 0; signs < 8; signs++)
