@@ -239,7 +239,7 @@ SAGI_INLINE void all_look(question asked, crowd *c) {
             fetch_corners(&f->here, &f->here.candidates[0]);
             queue_up(c, AT_END, f);
         } else {
-            if (asked == CLOSEST) settle(&f->here);
+            if (asked == CLOSEST && f->here.candidate_count != 0) settle(&f->here);
             end(asked, c, f);
         }
     }

@@ -255,23 +255,33 @@ SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
 // where the single call has to be asked after all.
 static uint32_t solve_triangles(const packet *p, const uint32_t *which, uint32_t count) {
     sagi_triangle_four four;
-    uint32_t geometry[4], primitive[4];
+    uint32_t geometry[4], primitive[4], turned = 0;
     for (uint32_t i = 0; i < 4; i++) {
         uint32_t r = which[i < count ? i : 0];
-        uint32_t nearest = (uint32_t)p->nearest[r / 8][r % 8];
-        const sagi_bvh_reference at = sagi_block_reference(p->blocks[nearest >> 3], nearest & 7);
-        geometry[i] = at.geometry, primitive[i] = at.primitive;
+        uint32_t nearest = ((const uint32_t *)p->nearest)[r];
+        const sagi_triangle_block *block = (const sagi_triangle_block *)(const void *)p->blocks[nearest >> 3];
+        geometry[i] = block->head.geometry, primitive[i] = block->primitive[nearest & 7];
         four.ray[i] = &p->rays[r], four.t_max[i] = p->rays[r].t_max;
-        put_corners(&four, i, &p->world->items[geometry[i]], primitive[i]);
+        const sagi_item *item = &p->world->items[geometry[i]];
+        turned |= item->mirrored;
+        put_corners(&four, i, item, primitive[i]);
     }
     const uint32_t found = sagi_triangle_solve4(&four, (1U << count) - 1);
-    const search here = {.path_length = 0};
-    for (uint32_t i = 0; i < count; i++) {
-        bool turned = p->world->items[geometry[i]].mirrored;
-        if ((found >> i & 1) != 0)
-            write_hit(&here, geometry[i], primitive[i], four.t[i], turned ? four.v[i] : four.u[i],
-                      turned ? four.u[i] : four.v[i], &p->hits[which[i]]);
-    }
+    if (__builtin_expect(turned != 0, 0))
+        for (uint32_t i = 0; i < count; i++)
+            if (p->world->items[geometry[i]].mirrored) {
+                const double u = four.u[i];
+                four.u[i] = four.v[i], four.v[i] = u;
+            }
+    // t, u, v of each.
+    const sagi_d4 even = SAGI_D4_SHUFFLE2(four.t, four.u, 0, 4, 2, 6),
+                  odd = SAGI_D4_SHUFFLE2(four.t, four.u, 1, 5, 3, 7),
+                  odd_v = SAGI_D4_SHUFFLE2(four.v, four.v, 1, 0, 3, 2);
+    const sagi_d4 tuv[4] = {
+        SAGI_D4_SHUFFLE2(even, four.v, 0, 1, 4, 5), SAGI_D4_SHUFFLE2(odd, odd_v, 0, 1, 4, 5),
+        SAGI_D4_SHUFFLE2(even, four.v, 2, 3, 6, 7), SAGI_D4_SHUFFLE2(odd, odd_v, 2, 3, 6, 7)};
+    for (uint32_t i = 0; i < 4; i++) // (found has no others than count)
+        if ((found >> i & 1) != 0) write_triangle(tuv[i], geometry[i], primitive[i], &p->hits[which[i]]);
     return found;
 }
 
