@@ -21,23 +21,25 @@
 #define FLIGHT_STACK  192 // enough for 27 levels; in deeper trees rays go alone
 #define ENOUGH_LEAVES 10
 
+// A child, with the bits of the float where it begins above its number: such pairs are in the order of their
+// beginnings, as those are not negative.
+typedef uint64_t place;
+
 // Below all that waits on a flight's stack: a leaf that begins, by its bits, later than any limit.
-#define NOTHING_BEGINS UINT32_MAX
-#define NOTHING        SAGI_BVH_LEAF
+#define NOTHING ((place)UINT32_MAX << 32 | SAGI_BVH_LEAF)
 
 typedef struct flight {
-    const char *at;  // its next node or leaf,
-    uint32_t begin;  // and where it begins (a float's bits)
-    uint32_t height; // of its stack
-    size_t ray;      // its number in the batch
+    const void *at; // its next node or leaf,
+    place next;     // which that is,
+    place limit;    // and the last one that still matters
+    place *top;     // of its stack: the first that is free
+    size_t ray;     // its number in the batch
     search search;
     level here;
     const sagi_triangle_block *block; // the one that was met last,
-    float block_begin;                // what it answered,
-    uint32_t after;                   // and the errand after it, AT_NODE or AT_LEAF
-    block_answer answer;
-    float begins[FLIGHT_STACK + SAGI_BVH_WIDTH]; // at most the limit, and not negative: in order as bits, too
-    uint32_t children[FLIGHT_STACK + SAGI_BVH_WIDTH];
+    float block_begin;
+    block_answer answer; // and what it answered
+    place stack[FLIGHT_STACK + SAGI_BVH_WIDTH];
 } flight;
 
 // What flights wait for: a node; a leaf; to look what is next, as what was on top of the stack does not
@@ -45,6 +47,7 @@ typedef struct flight {
 typedef enum errand { AT_NODE, AT_LEAF, AT_LOOK, AT_MET, AT_END, ERRAND_COUNT } errand;
 
 typedef struct crowd {
+    flight **last[ERRAND_COUNT]; // of those that wait for the same: the next place
     const sagi_world *world;
     const sag_ray *rays;
     sag_hit *hits;  // CLOSEST
@@ -54,13 +57,15 @@ typedef struct crowd {
     size_t count, begun;
     uint16_t *number;            // which rays, count of them
     bool deep;                   // a flight's stack might not do
-    const char *first[2];        // of nodes and leaves
-    flight **last[ERRAND_COUNT]; // of those that wait for the same: the next place
+    uintptr_t first[2], unit[2]; // of nodes and leaves: where number 0 would be, and bytes
     flight *waiting[ERRAND_COUNT][FLIGHTS];
     flight flights[FLIGHTS];
 } crowd;
 
-SAGI_INLINE void queue_up(crowd *c, errand e, flight *f) { *c->last[e]++ = f; }
+SAGI_INLINE void queue_up(crowd *c, size_t e, flight *f) {
+    *c->last[e] = f;
+    c->last[e]++;
+}
 
 SAGI_INLINE uint32_t count_of(const crowd *c, errand e) { return (uint32_t)(c->last[e] - c->waiting[e]); }
 // Empties the queue, which may be refilled from the front while it is read.
@@ -75,24 +80,30 @@ SAGI_INLINE uint32_t float_bits(float x) {
     memcpy(&bits, &x, sizeof bits);
     return bits;
 }
-SAGI_INLINE float bits_float(uint32_t bits) {
+SAGI_INLINE float place_begin(place p) {
+    const uint32_t bits = (uint32_t)(p >> 32);
     float x;
     memcpy(&x, &bits, sizeof x);
     return x;
 }
 
-// Sends the flight where (begin, child) says, or first to take note of what it met. Which it will be nobody
-// can foresee, so nothing here is a branch.
-SAGI_INLINE void send(crowd *c, flight *f, uint32_t begin, uint32_t child, bool met) {
-    const uint32_t leaf = child >> 31;
+// The last one that begins at the limit.
+SAGI_INLINE place last_place(float limit) { return (place)float_bits(limit) << 32 | UINT32_MAX; }
+
+// What follows from here.limit, whenever that may have changed.
+SAGI_INLINE void set_limit(flight *f) { f->limit = last_place(f->here.limit); }
+
+// Sends the flight on to its next place, or first to take note of what it met. Which it will be nobody can
+// foresee, so nothing here is a branch.
+SAGI_INLINE void send(crowd *c, flight *f, place next, bool met) {
+    const size_t leaf = (uint32_t)next >> 31;
+    const char *at = (const char *)(c->first[leaf] + (uint32_t)next * c->unit[leaf]);
+    f->next = next, f->at = at;
     // Its first three cache lines will do: of a node's fourth the processor thinks itself.
-    // (Twice the number, so that the bit which says that it is a leaf is gone. The shift is that of half
-    // SAGI_BVH_STEP, or of half SAGI_BVH_UNIT.)
-    const char *at = c->first[leaf] + ((size_t)(child << 1) << (2 + 3 * leaf));
-    f->begin = begin, f->at = at;
     __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
-    const uint32_t e = sagi_if_above(begin, float_bits(f->here.limit), AT_LOOK, leaf);
-    queue_up(c, (errand)sagi_if_above(met, 0, AT_MET, e), f);
+    size_t e = sagi_if_above_long(next, f->limit, AT_LOOK, leaf);
+    if (!__builtin_constant_p(met)) e = sagi_if_above_long(met, 0, AT_MET, e);
+    queue_up(c, e, f);
 }
 
 SAGI_INLINE void write_answer(question asked, const crowd *c, size_t ray, bool found) {
@@ -138,8 +149,9 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
                 walk_closest(&f->here);
         } else if (come_to_tree(asked, false, &f->here, &unused, &signs, &over)) {
             f->here.tree_ray.planes = sagi_planes[signs];
-            f->begins[0] = bits_float(NOTHING_BEGINS), f->children[0] = NOTHING, f->height = 1;
-            f->at = c->first[0], f->begin = 0;
+            f->stack[0] = NOTHING, f->top = f->stack + 1;
+            f->at = c->world->tree.nodes, f->next = 0;
+            f->limit = last_place(f->here.limit);
             queue_up(c, AT_NODE, f);
             return;
         }
@@ -159,8 +171,7 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
     uint32_t lanes[FLIGHTS], masks[FLIGHTS];
     for (uint32_t i = 0; i < count; i++) {
         const flight *f = c->waiting[AT_NODE][i];
-        const char *at = f->at;
-        const slabs r = slabs_of(&f->here.tree_ray, at);
+        const slabs r = slabs_of(&f->here.tree_ray, f->at);
         sagi_f8 begin = begins_of(0, &r), end = ends_of(0, &r, f->here.limit);
         SAGI_KERNEL_COUNT(nodes);
         begins[i] = begin;
@@ -171,45 +182,41 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
     // The first is next, or what is on top of the stack; the others go on it.
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_NODE][i];
-        const sagi_bvh_node *node = (const sagi_bvh_node *)(const void *)f->at;
-        const uint32_t mask = masks[i], height = f->height;
+        const sagi_bvh_node *node = f->at;
+        const uint32_t mask = masks[i];
         const uint32_t lane = asked == ANY ? (uint32_t)__builtin_ctz(mask | 0x80) : lanes[i] & 7;
-        const uint32_t begin = sagi_if_above(
-            mask, 0, asked == ANY ? float_bits(((const float *)&begins[i])[lane]) : lanes[i] & ~7U,
-            float_bits(f->begins[height - 1]));
-        const uint32_t child = sagi_if_above(mask, 0, node->child[lane], f->children[height - 1]);
-        sagi_write_lanes(mask & ~(1U << lane), begins[i], f->begins + height, sagi_i8_load(node->child),
-                         f->children + height);
-        f->height = height + (uint32_t)__builtin_popcount(mask) - 1;
-        send(c, f, begin, child, false);
+        const uint32_t begin = asked == ANY ? float_bits(((const float *)&begins[i])[lane]) : lanes[i] & ~7U;
+        place *top = f->top;
+        const place next = sagi_if_above_long(mask, 0, (place)begin << 32 | node->child[lane], top[-1]);
+        sagi_write_pairs(mask & ~(1U << lane), begins[i], sagi_i8_load(node->child), top);
+        f->top = top + __builtin_popcount(mask) - 1;
+        send(c, f, next, false);
     }
 }
 
 // A leaf that holds something else than triangles.
 static __attribute__((noinline)) void other_leaf(question asked, crowd *c, flight *f) {
-    if (leaf(asked, &f->here, (const sagi_block *)(const void *)f->at, bits_float(f->begin))) {
+    if (leaf(asked, &f->here, f->at, place_begin(f->next))) {
         end(asked, c, f);
         return;
     }
-    f->height--;
-    send(c, f, float_bits(f->begins[f->height]), f->children[f->height], false);
+    set_limit(f);
+    send(c, f, *--f->top, false);
 }
 
 SAGI_INLINE void all_leaves(question asked, crowd *c) {
     uint32_t count = take_queue(c, AT_LEAF);
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_LEAF][i];
-        const sagi_triangle_block *block = (const sagi_triangle_block *)(const void *)f->at;
+        const sagi_triangle_block *block = f->at;
         if (__builtin_expect(block->head.kind != SAGI_BLOCK_TRIANGLES, 0)) {
             other_leaf(asked, c, f);
             continue;
         }
         SAGI_KERNEL_COUNT(blocks);
-        f->block = block, f->block_begin = bits_float(f->begin);
+        f->block = block, f->block_begin = place_begin(f->next);
         bool met = meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, true, &f->answer);
-        f->height--;
-        f->after = f->children[f->height] >> 31;
-        send(c, f, float_bits(f->begins[f->height]), f->children[f->height], met);
+        send(c, f, *--f->top, met);
     }
 }
 
@@ -217,10 +224,12 @@ SAGI_INLINE void all_met(question asked, crowd *c) {
     uint32_t count = take_queue(c, AT_MET);
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_MET][i];
-        if (take_triangles(asked, &f->here, f->block, &f->answer, f->block_begin))
+        if (take_triangles(asked, &f->here, f->block, &f->answer, f->block_begin)) {
             end(asked, c, f);
-        else
-            queue_up(c, f->begin > float_bits(f->here.limit) ? AT_LOOK : (errand)f->after, f);
+            continue;
+        }
+        set_limit(f);
+        queue_up(c, f->next > f->limit ? AT_LOOK : (uint32_t)f->next >> 31, f);
     }
 }
 
@@ -229,11 +238,11 @@ SAGI_INLINE void all_look(question asked, crowd *c) {
     uint32_t count = take_queue(c, AT_LOOK);
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_LOOK][i];
-        uint32_t begin = f->begin, height = f->height, limit = float_bits(f->here.limit);
-        while (begin > limit && begin != NOTHING_BEGINS) begin = float_bits(f->begins[--height]);
-        f->height = height;
-        if (begin != NOTHING_BEGINS) {
-            send(c, f, begin, f->children[height], false);
+        place next = f->next, *top = f->top;
+        while (next > f->limit && next != NOTHING) next = *--top;
+        f->top = top;
+        if (next != NOTHING) {
+            send(c, f, next, false);
         } else if (asked == CLOSEST && f->here.candidate_count == 1 &&
                    f->here.candidates[0].block->kind == SAGI_BLOCK_TRIANGLES) {
             fetch_corners(&f->here, &f->here.candidates[0]);
@@ -281,8 +290,9 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
     c->deep = c->world->tree.depth > (FLIGHT_STACK - 1) / (SAGI_BVH_WIDTH - 1);
-    c->first[0] = (const char *)c->world->tree.nodes;
-    c->first[1] = (const char *)c->world->tree.leaves;
+    c->unit[0] = SAGI_BVH_STEP, c->unit[1] = SAGI_BVH_UNIT;
+    c->first[0] = (uintptr_t)c->world->tree.nodes;
+    c->first[1] = (uintptr_t)c->world->tree.leaves - SAGI_BVH_LEAF * SAGI_BVH_UNIT;
     for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
     for (uint32_t i = 0; i < FLIGHTS; i++) begin(asked, c, &c->flights[i]);
     for (;;) {

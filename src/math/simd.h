@@ -68,6 +68,17 @@ SAGI_INLINE uint32_t sagi_if_above(uint32_t x, uint32_t y, uint32_t a, uint32_t 
     return x > y ? a : b;
 #endif
 }
+SAGI_INLINE uint64_t sagi_if_above_long(uint64_t x, uint64_t y, uint64_t a, uint64_t b) {
+#if defined(__x86_64__) && !defined(SAGI_SIMD_PLAIN)
+    __asm__("cmp %[y], %[x]\n\tcmova %[a], %[b]"
+            : [b] "+r"(b)
+            : [x] "r"(x), [y] "rme"(y), [a] "rm"(a)
+            : "cc");
+    return b;
+#else
+    return x > y ? a : b;
+#endif
+}
 
 SAGI_INLINE sagi_f8 sagi_f8_fill(float x) { return (sagi_f8){x, x, x, x, x, x, x, x}; }
 SAGI_INLINE sagi_d4 sagi_d4_fill(double x) { return (sagi_d4){x, x, x, x}; }
@@ -376,6 +387,28 @@ SAGI_INLINE void sagi_write_lanes(uint32_t mask, sagi_f8 a, float *p, sagi_i8 b,
     for (uint32_t left = mask; left != 0; left &= left - 1) {
         int i = __builtin_ctz(left);
         *p++ = a[i], *q++ = (uint32_t)b[i];
+    }
+#endif
+}
+
+// The same, as pairs: b's lanes in the lower halves of whole numbers, a's bits in the upper ones.
+SAGI_INLINE void sagi_write_pairs(uint32_t mask, sagi_f8 a, sagi_i8 b, uint64_t *p) {
+#if defined(SAGI_SIMD_AVX2)
+#if defined(SAGI_SIMD_AVX512)
+    __m256i upper = _mm256_maskz_compress_epi32((__mmask8)mask, (__m256i)a);
+    __m256i lower = _mm256_maskz_compress_epi32((__mmask8)mask, (__m256i)b);
+#else
+    __m256i way = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)&sagi_bits_set[mask]));
+    __m256i upper = _mm256_permutevar8x32_epi32((__m256i)a, way);
+    __m256i lower = _mm256_permutevar8x32_epi32((__m256i)b, way);
+#endif
+    __m256i even = _mm256_unpacklo_epi32(lower, upper), odd = _mm256_unpackhi_epi32(lower, upper);
+    _mm256_storeu_si256((__m256i *)(void *)p, _mm256_permute2x128_si256(even, odd, 0x20));
+    _mm256_storeu_si256((__m256i *)(void *)(p + 4), _mm256_permute2x128_si256(even, odd, 0x31));
+#else
+    for (uint32_t left = mask; left != 0; left &= left - 1) {
+        int i = __builtin_ctz(left);
+        *p++ = (uint64_t)(uint32_t)sagi_f8_bits(a)[i] << 32 | (uint32_t)b[i];
     }
 #endif
 }
