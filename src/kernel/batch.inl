@@ -36,9 +36,8 @@ typedef struct flight {
     size_t ray;     // its number in the batch
     search search;
     level here;
-    const sagi_triangle_block *block; // the one that was met last,
+    const sagi_triangle_block *block; // the one that was met last (here.answer)
     float block_begin;
-    block_answer answer; // and what it answered
     place stack[FLIGHT_STACK + SAGI_BVH_WIDTH];
 } flight;
 
@@ -129,19 +128,18 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         f->ray = c->number[c->begun++];
         // Its answer's place, and the ray that comes a few turns later.
         search *s = &f->search;
-        s->best = asked == CLOSEST ? &c->hits[f->ray] : NULL;
+        begin_search(s, asked == CLOSEST ? &c->hits[f->ray] : NULL);
         if (asked == CLOSEST) {
             __builtin_prefetch(s->best, 1);
             __builtin_prefetch((const char *)s->best + sizeof *s->best - 1, 1);
         }
         if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
-        s->found = false, s->both_sides = false, s->path_length = 0, s->grain = s->reach = 0;
-        s->later = c->later, s->known = NULL;
+        s->later = c->later;
         if (c->doubtful != NULL) s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
-        enter(&f->here, c->world, &c->rays[f->ray], s);
+        enter_walk(&f->here, c->world, &c->rays[f->ray], s);
         slabs unused;
         bool over;
-        uint32_t signs;
+        size_t signs;
         if (__builtin_expect(c->deep, 0)) {
             if (asked == ANY)
                 walk_any(&f->here);
@@ -215,7 +213,8 @@ SAGI_INLINE void all_leaves(question asked, crowd *c) {
         }
         SAGI_KERNEL_COUNT(blocks);
         f->block = block, f->block_begin = place_begin(f->next);
-        bool met = meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, true, &f->answer);
+        bool met =
+            meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, true, &f->here.answer);
         send(c, f, *--f->top, met);
     }
 }
@@ -224,7 +223,7 @@ SAGI_INLINE void all_met(question asked, crowd *c) {
     uint32_t count = take_queue(c, AT_MET);
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_MET][i];
-        if (take_triangles(asked, &f->here, f->block, &f->answer, f->block_begin)) {
+        if (take_triangles(asked, &f->here, f->block, &f->here.answer, f->block_begin)) {
             end(asked, c, f);
             continue;
         }

@@ -42,14 +42,21 @@ typedef struct search {
     bool near;       // CLOSEST: whether there are others in a little room beyond it:
     bool both_sides; // see sagi_kernel
     uint32_t path_length;
-    double grain, reach;         // grain · (|t| + reach), mostly 0 (solid_parts.inl)
     later *later;                // of a batch (put_off.inl), else NULL
     const sag_hit *known;        // the first crossing of a solid's part 0, if it is known, else NULL
+    double grain, reach;         // grain · (|t| + reach), mostly 0 (solid_parts.inl)
     sagi_collector collector;    // ALL
     sagi_repeats repeats;        // ALL: what of it may come again
     const sagi_visitor *visitor; // ALL: takes everything in place of these two, when there is one
     uint32_t path[SAG_MAX_INSTANCE_DEPTH];
 } search;
+
+SAGI_INLINE void begin_search(search *s, sag_hit *best) {
+    s->best = best;
+    sagi_zero32(&s->found), s->reach = 0;
+}
+_Static_assert(offsetof(search, reach) == offsetof(search, found) + 32,
+               "all that begins as 0, but for reach");
 
 // A certain hit that waits (triangles.inl, spheres.inl).
 typedef struct candidate {
@@ -58,6 +65,15 @@ typedef struct candidate {
     float earliest; // in τ
 } candidate;
 #define MAX_CANDIDATES 4
+
+// What a block of triangles answers (triangles.inl).
+typedef struct block_answer {
+    uint32_t certain, uncertain; // lanes
+    uint32_t inside;             // of the uncertain: those of which only the time is
+    uint32_t back;               // of the certain: those met from the back
+    sagi_f8 t, d, b0;            // T with D's sign, |D|, b₀
+    float b1;
+} block_answer;
 
 // The ray in one world's space.
 typedef struct level {
@@ -72,13 +88,19 @@ typedef struct level {
     candidate candidates[MAX_CANDIDATES];
     const sag_mesh *lone_mesh;
     sagi_float_ray tree_ray;
+    block_answer answer;
 } level;
 
-SAGI_INLINE void enter(level *here, const sagi_world *world, const sag_ray *ray, search *s) {
+// What is said of the tree is left to come_to_tree.
+SAGI_INLINE void enter_walk(level *here, const sagi_world *world, const sag_ray *ray, search *s) {
     here->world = world, here->search = s;
     here->ray = ray, here->t_max = ray->t_max;
     here->candidate_count = 0;
-    here->in_tree = here->lone = false, here->limit = INFINITY;
+}
+SAGI_INLINE void enter_outside(level *here) { here->in_tree = here->lone = false, here->limit = INFINITY; }
+SAGI_INLINE void enter(level *here, const sagi_world *world, const sag_ray *ray, search *s) {
+    enter_walk(here, world, ray, s);
+    enter_outside(here);
 }
 
 static inline void lower_t_max(level *here, double t) {
@@ -280,14 +302,14 @@ SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const slabs *r, floa
 
 // What comes before the tree. False when the ray has no business there; *over when the search is over. The
 // usual ray's slabs need not wait until it has been written down. `plain`: as in sagi_world.
-SAGI_INLINE bool come_to_tree(question asked, bool plain, level *here, slabs *r, uint32_t *signs,
-                              bool *over) {
+SAGI_INLINE bool come_to_tree(question asked, bool plain, level *here, slabs *r, size_t *signs, bool *over) {
     // (Known before anything is called: fetched from *here later on, all would wait for it.)
     const sagi_world *world = here->world;
     const sag_ray *ray = here->ray;
     *over = false;
     if (!plain && world->unbounded_count != 0) {
         if (!sag_ray_is_valid(ray)) return false;
+        enter_outside(here);
         if (list(asked, here, world->unbounded, world->unbounded_count)) return !(*over = true);
     }
     if (!plain && world->tree.node_count == 0) return false;
@@ -297,7 +319,7 @@ SAGI_INLINE bool come_to_tree(question asked, bool plain, level *here, slabs *r,
     *signs = now.signs;
     *r = state == RAY_NOW ? slabs_now(&now, &world->planes[now.signs])
                           : slabs_at(&here->tree_ray, &world->planes[now.signs]);
-    here->in_tree = true;
+    here->in_tree = true, here->lone = false;
     here->limit = here->tree_ray.limit;
     if (!plain && world->unbounded_count != 0 && here->t_max < ray->t_max) lower_t_max(here, here->t_max);
     return true;
@@ -331,19 +353,32 @@ static __attribute__((noinline)) bool others_apart(question asked, level *here, 
                                                    float begin) {
     return other_than_triangles(asked, here, block, begin);
 }
-static __attribute__((noinline)) bool leaf_apart(question asked, level *here, const sagi_block *block,
-                                                 float begin, block_answer *answer) {
+SAGI_INLINE bool leaf_of(question asked, level *here, const sagi_block *block, float begin) {
     if (block->kind != SAGI_BLOCK_TRIANGLES) return others_apart(asked, here, block, begin);
     const sagi_triangle_block *triangles = (const sagi_triangle_block *)(const void *)block;
     SAGI_KERNEL_COUNT(blocks);
-    return meet_triangles(triangles, &here->tree_ray, begin, here->limit, false, answer) &&
-           take_apart(asked, here, triangles, answer, begin);
+    return meet_triangles(triangles, &here->tree_ray, begin, here->limit, false, &here->answer) &&
+           take_apart(asked, here, triangles, &here->answer, begin);
+}
+static __attribute__((noinline)) bool closest_leaf(level *here, const sagi_block *block, float begin) {
+    return leaf_of(CLOSEST, here, block, begin);
+}
+static __attribute__((noinline)) bool any_leaf(level *here, const sagi_block *block, float begin) {
+    return leaf_of(ANY, here, block, begin);
+}
+static __attribute__((noinline)) bool all_leaf(level *here, const sagi_block *block, float begin) {
+    return leaf_of(ALL, here, block, begin);
+}
+SAGI_INLINE bool leaf_apart(question asked, level *here, const sagi_block *block, float begin) {
+    return asked == CLOSEST ? closest_leaf(here, block, begin)
+           : asked == ANY   ? any_leaf(here, block, begin)
+                            : all_leaf(here, block, begin);
 }
 
 // True when the search is over.
 SAGI_INLINE bool walk(question asked, bool plain, level *here) {
     bool over;
-    uint32_t signs;
+    size_t signs;
     const sagi_bvh *tree = &here->world->tree;
     slabs r;
     if (!come_to_tree(asked, plain, here, &r, &signs, &over)) return over;
@@ -352,12 +387,11 @@ SAGI_INLINE bool walk(question asked, bool plain, level *here) {
     uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
     stack waits = {begin, child, 0};
     waiting next = {0, 0}; // the root
-    block_answer answer;
     for (;;) {
         const float limit = here->limit;
         while (!sagi_bvh_is_leaf(next.child))
             if (!step(asked, tree, &r, limit, &waits, &next) && !pop(asked, limit, &waits, &next)) goto end;
-        if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin, &answer)) return true;
+        if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
         r = slabs_at(&here->tree_ray, planes); // anew, so that it need not be kept meanwhile
     }
@@ -372,28 +406,28 @@ static bool walk_closest(level *here) { return walk(CLOSEST, false, here); }
 static bool walk_any(level *here) { return walk(ANY, false, here); }
 static bool walk_all(level *here) { return walk(ALL, false, here); }
 
+static __attribute__((noinline)) bool walk_any_world(question asked, level *here) {
+    enter_outside(here);
+    if (here->world->solid != NULL) return search_solid(asked, here);
+    return asked == CLOSEST ? walk_closest(here) : walk_any(here);
+}
+
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
-    s.best = hit, s.found = s.odd = s.near = s.both_sides = false, s.path_length = 0;
-    s.grain = s.reach = 0, s.later = NULL, s.known = NULL;
     level here;
-    enter(&here, world, ray, &s);
+    begin_search(&s, hit), enter_walk(&here, world, ray, &s);
     if (__builtin_expect(world->plain, 1))
         walk(CLOSEST, true, &here);
-    else if (world->solid != NULL)
-        search_solid(CLOSEST, &here);
     else
-        walk_closest(&here);
+        walk_any_world(CLOSEST, &here);
     return s.found;
 }
 
 static bool occluded(const sagi_world *world, const sag_ray *ray) {
     search s;
-    s.found = false, s.both_sides = false, s.path_length = 0, s.later = NULL, s.known = NULL;
     level here;
-    enter(&here, world, ray, &s);
-    if (__builtin_expect(world->plain, 1)) return walk(ANY, true, &here);
-    return world->solid != NULL ? search_solid(ANY, &here) : walk_any(&here);
+    begin_search(&s, NULL), enter_walk(&here, world, ray, &s);
+    return __builtin_expect(world->plain, 1) ? walk(ANY, true, &here) : walk_any_world(ANY, &here);
 }
 
 static size_t crossings(const sagi_world *world, const sag_ray *ray, bool both_sides, sag_hit *hits,

@@ -272,7 +272,7 @@ static __attribute__((noinline, cold)) bool make_carefully(const sagi_world *wor
 typedef struct sagi_ray_slabs {
     sagi_f4s near_scale, near_back, far_scale, far_back;
     float from;
-    uint32_t signs; // of D
+    size_t signs; // of D
 } sagi_ray_slabs;
 
 // What the quick way does, for directions of which 2^(exponent − 1) ≤ max|dᵢ| < 2^exponent; with an exponent
@@ -280,12 +280,12 @@ typedef struct sagi_ray_slabs {
 // wait for its exponent; powers of two change no bit.) The planes' order is left to who needs it.
 SAGI_INLINE sagi_ray_slabs take_quick_way(const sagi_world *world, const sag_ray *ray, sagi_d4 q, sagi_d4 d,
                                           sagi_f4 p_once, sagi_f4 raw_once, bool scaled, int exponent,
-                                          uint32_t signs, sagi_float_ray *out) {
+                                          size_t signs, sagi_float_ray *out) {
     const float up = scaled ? (float)power_of_two(exponent) : 1;
     const sagi_f4s p = sagi_f4s_of(p_once), raw = sagi_f4s_of(raw_once);
     const sagi_f4s size = (sagi_f4s)((sagi_w4s)p & INT32_MAX);
-    sagi_f4s wide = sagi_f4s_fma(size, sagi_f4s_fill(0x1p-21F), sagi_f4s_fill(world->quick.wide));
-    wide = (sagi_f4s)((sagi_w4s)wide | ((sagi_w4s)raw & INT32_MIN));
+    const sagi_f4s wide =
+        sagi_f4s_signed(sagi_f4s_fma(size, sagi_f4s_fill(0x1p-21F), sagi_f4s_fill(world->quick.wide)), raw);
     sagi_ray_slabs now;
     now.near_scale = (up * (1 - 0x1p-21F)) / raw, now.far_scale = now.near_scale * (1 + 18 * 0x1p-24F);
     now.near_back = (p + wide) * now.near_scale, now.far_back = (p - wide) * now.far_scale;
@@ -354,6 +354,8 @@ static __attribute__((noinline)) uint32_t make_unusual(const sagi_world *world, 
     return make_any_length(world, ray, out, &made) != RAY_MISSES ? made.signs : UINT32_MAX;
 }
 
+SAGI_INLINE bool likely(bool x) { return __builtin_expect(x, 1); }
+
 // Fills *out but for the planes' order. Mostly max|dᵢ| is in [½, 1) as it comes, unless the ray is one
 // between two points (`shadow`), and no |dᵢ| is below 2⁻³²; then there is little to do, and nothing of it in
 // a row. (Rounded to floats, numbers are still ≥ 2⁻³²; what rounds to something below 1 is below 1, and what
@@ -370,10 +372,10 @@ SAGI_INLINE ray_state sagi_float_ray_begin(const sagi_world *world, const sag_ra
     const sagi_i8 shift = {least, least, least, 0, most, most, most, 0};
     const sagi_i8 at = sagi_f8_bits(sagi_f8_abs(sagi_f8_join(raw, p))) + shift;
     const int32_t high = no | 0x70000000, half = 0x10000000;
-    const uint32_t signs = sagi_d4_signs(d);
-    if (sagi_i8_none(at, (sagi_i8){high, high, high, 0, no, no, no, 0}) &&
-        !sagi_i8_none(at + 0x7FFFFF, (sagi_i8){half, half, half, 0, 0, 0, 0, 0}) && signs < 8 &&
-        ray->t_min <= ray->t_max) {
+    const size_t signs = sagi_d4_signs(d);
+    if (likely(sagi_i8_none(at, (sagi_i8){high, high, high, 0, no, no, no, 0})) &&
+        likely(!sagi_i8_none(at + 0x7FFFFF, (sagi_i8){half, half, half, 0, 0, 0, 0, 0})) &&
+        likely(signs < 8) && likely(ray->t_min <= ray->t_max)) {
         *now = take_quick_way(world, ray, q, d, p, raw, false, 0, signs, out);
         return RAY_NOW;
     }

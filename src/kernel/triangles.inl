@@ -35,14 +35,6 @@
 // which begins at t' = 0 or later, so 0 ≤ t' ≤ 2.1L (|d|∞ ≥ ½), and bounds x may be brought within ±2¹⁹
 // first.
 
-typedef struct block_answer {
-    uint32_t certain, uncertain; // lanes
-    uint32_t inside;             // of the uncertain: those of which only the time is
-    uint32_t back;               // of the certain: those met from the back
-    sagi_f8 t, d, b0;            // T with D's sign, |D|, b₀
-    float b1;
-} block_answer;
-
 typedef struct f8x3 {
     sagi_f8 x, y, z;
 } f8x3;

@@ -91,6 +91,11 @@ SAGI_INLINE sagi_d4 sagi_d4_load(const void *p) { // of any alignment
     return a;
 }
 
+SAGI_INLINE void sagi_zero32(void *p) { // of any alignment
+    const sagi_d4 zero = {0, 0, 0, 0};
+    memcpy(p, &zero, sizeof zero);
+}
+
 // Lanes of two vectors, numbered 0 … 3 and 4 … 7.
 #if defined(__clang__) || __GNUC__ >= 12
 #define SAGI_D4_SHUFFLE2(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
@@ -213,6 +218,15 @@ typedef sagi_f8 sagi_f4s;
 typedef sagi_i8 sagi_w4s;
 SAGI_INLINE sagi_f4s sagi_f4s_of(sagi_f4 a) { return (sagi_f4s)_mm256_set_m128((__m128)a, (__m128)a); }
 SAGI_INLINE sagi_f4s sagi_f4s_fill(float x) { return (sagi_f4s){x, x, x, x, x, x, x, x}; }
+// a, which has no sign, with the sign of b.
+SAGI_INLINE sagi_f4s sagi_f4s_signed(sagi_f4s a, sagi_f4s b) {
+#ifdef SAGI_SIMD_AVX512
+    const __m256i rest = _mm256_set1_epi32(INT32_MAX);
+    return (sagi_f4s)_mm256_ternarylogic_epi32((__m256i)a, (__m256i)b, rest, 0xf4); // a | (b & ~rest)
+#else
+    return (sagi_f4s)((sagi_w4s)a | ((sagi_w4s)b & INT32_MIN));
+#endif
+}
 SAGI_INLINE sagi_f4 sagi_f4s_once(sagi_f4s a) { return (sagi_f4)_mm256_castps256_ps128((__m256)a); }
 SAGI_INLINE sagi_f4s sagi_f4s_fma(sagi_f4s a, sagi_f4s b, sagi_f4s c) { return sagi_f8_fma(a, b, c); }
 SAGI_INLINE void sagi_f4s_spread3(sagi_f4s a, sagi_f8 out[3]) {
@@ -265,6 +279,9 @@ typedef sagi_f4 sagi_f4s;
 typedef sagi_w4 sagi_w4s;
 SAGI_INLINE sagi_f4s sagi_f4s_of(sagi_f4 a) { return a; }
 SAGI_INLINE sagi_f4s sagi_f4s_fill(float x) { return (sagi_f4s){x, x, x, x}; }
+SAGI_INLINE sagi_f4s sagi_f4s_signed(sagi_f4s a, sagi_f4s b) {
+    return (sagi_f4s)((sagi_w4s)a | ((sagi_w4s)b & INT32_MIN));
+}
 SAGI_INLINE sagi_f4 sagi_f4s_once(sagi_f4s a) { return a; }
 SAGI_INLINE sagi_f4s sagi_f4s_fma(sagi_f4s a, sagi_f4s b, sagi_f4s c) { return a * b + c; }
 SAGI_INLINE void sagi_f4s_spread3(sagi_f4s a, sagi_f8 out[3]) {
