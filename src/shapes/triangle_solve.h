@@ -258,15 +258,11 @@ SAGI_INLINE bool sagi_triangle_solve_here(const sag_ray *ray, double t_max, sagi
 // The same, of vertices that are floats, where it is soonest done, as it is mostly: with the first step only,
 // and t in range; *tuv is t, u, v and anything. False: that is for sagi_triangle_solve_here to say.
 //
-// In terms of the edges alone, with h = E²/|D|, it makes sure that the step is good (triangle_step.inl), so
-// that the bits are the same; only where that does not say is P looked at. As the line pierces the triangle,
-// |P|₂ and |step d|₂ are at most √3 E, so |P|₁ ≤ 3.1E, and |step| ≤ 3.05E/|d|₁ ≤ 6.3 hE, since |d|₁ h = g ≥
-// 0.49. Then
-//     9.4 S(P)/|D| + (14.6 |d|₁ h + 4) |step|  ≤  9.4 · 6.3 hE + 14.6 · 3.05 hE + 4 · 6.3 hE  <  130 hE,
-// which is below 2.8 |t| for t ≥ 48 hE; and |t d|₁ ≥ 48 gE. From h (1 + d²) ≤ 46 follows, since |d|₁ ≤ √3
-// |d|₂ ≤ ½√3 (1 + d²), that g ≤ 40; then |d|₂ ≤ 46 √3/0.49 < 163, |d|₁ < 2⁹, and |t d|₁ ≤ 2³⁶ E where t ≤ 2²⁷
-// E; and |d|₁ ≥ 0.49/46. Edges of floats are neither less than 2⁻¹⁴⁹ nor more than 2¹²⁹. (An edge that is 0
-// makes h a NaN.)
+// What it asks of the step is a little more than triangle_step.inl does, so that the bits are the same. With
+// h = E²/|D| and q = h (1 + d²), |d|₁ ≤ √3 |d|₂ ≤ ½√3 (1 + d²) makes g ≤ 0.8661q: g ≤ 40 where q ≤ 46,
+// and 14.6g ≤ 12.65q. As g ≥ 0.49, |t d|₁ ≥ 2⁻²⁰ E where t ≥ 2⁻¹⁸ hE. And |d|₂ ≤ 46 √3/0.49 < 163, |d|₁ < 2⁹,
+// so that |t d|₁ ≤ 2³⁶ E where t ≤ 2²⁷ E; and |d|₁ ≥ 0.49/46. Edges of floats are neither less than 2⁻¹⁴⁹ nor
+// more than 2¹²⁹. (An edge that is 0 makes h a NaN.)
 SAGI_INLINE bool sagi_triangle_solve_quick(const sag_ray *ray, double t_max, sagi_d4 a, sagi_d4 b, sagi_d4 c,
                                            sagi_d4 *tuv) {
     const sagi_solve1_pair of = {.o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin)),
@@ -277,16 +273,17 @@ SAGI_INLINE bool sagi_triangle_solve_quick(const sag_ray *ray, double t_max, sag
     sagi_d4 ao = of.a - of.o, ab = of.b - of.a, ac = of.c - of.a;
     sagi_d4 turned_ab = sagi_solve1_turn_back(ab), turned_ac = sagi_solve1_turn_back(ac),
             turned_d = sagi_solve1_turn(of.d);
-    sagi_d4 n = turned_ab * ac - ab * turned_ac;
+    sagi_d4 plus = turned_ab * ac, minus = ab * turned_ac, n = plus - minus;
     double inverse = 1.0 / sagi_solve1_sum(n * turned_d), d_square = sagi_solve1_sum(of.d * of.d);
     double t0 = sagi_solve1_sum(ao * (sagi_d4_fill(1.0 / d_square) * of.d));
     sagi_d4 p = sagi_solve1_way_back(&of, ao, t0), turned_p = sagi_solve1_turn(p);
     sagi_d4 m = turned_d * p - of.d * turned_p;
-    // The three sums, each as sagi_solve1_sum4 has it, times 1/D. The last is of the other sign.
+    // Four sums, each as sagi_solve1_sum4 has it, times 1/D. The third is of the other sign.
     sagi_d4 x = n * turned_p, y = m * turned_ac, z = m * turned_ab;
-    sagi_d4 xy = SAGI_D4_SHUFFLE2(x, y, 0, 4, 2, 6), zz = z + SAGI_D4_SHUFFLE2(z, z, 1, 1, 3, 3);
-    sagi_d4 first = xy + SAGI_D4_SHUFFLE2(x, y, 1, 5, 3, 7);
-    sagi_d4 sum = SAGI_D4_SHUFFLE2(first, zz, 0, 1, 4, 5) + SAGI_D4_SHUFFLE2(xy, z, 2, 3, 6, 7);
+    sagi_d4 w = (sagi_d4_abs(plus) + sagi_d4_abs(minus)) * sagi_d4_abs(turned_p);
+    sagi_d4 xy = SAGI_D4_SHUFFLE2(x, y, 0, 4, 2, 6), zw = SAGI_D4_SHUFFLE2(z, w, 0, 4, 2, 6);
+    sagi_d4 first = xy + SAGI_D4_SHUFFLE2(x, y, 1, 5, 3, 7), second = zw + SAGI_D4_SHUFFLE2(z, w, 1, 5, 3, 7);
+    sagi_d4 sum = SAGI_D4_SHUFFLE2(first, second, 0, 1, 4, 5) + SAGI_D4_SHUFFLE2(xy, zw, 2, 3, 6, 7);
     const sagi_d4 sign = {0, 0, -0.0, 0};
     sagi_d4 found = sum * (sagi_d4)((sagi_l4)sagi_d4_fill(inverse) ^ (sagi_l4)sign);
     const sagi_l4 only_first = {-1, 0, 0, 0}, only_third = {0, 0, -1, 0};
@@ -294,21 +291,11 @@ SAGI_INLINE bool sagi_triangle_solve_quick(const sag_ray *ray, double t_max, sag
     found += (sagi_d4)((sagi_l4)sagi_d4_fill(t0) & only_first);
 
     double size = sagi_solve1_largest(sagi_d4_max(sagi_d4_abs(ab), sagi_d4_abs(ac)));
-    double h = size * size * fabs(inverse), least = 48 * (h * size), most = 0x1p27 * size, t = found[0];
+    double h = size * size * fabs(inverse), least = 0x1p-18 * (h * size), most = 0x1p27 * size, t = found[0];
     most = most < t_max ? most : t_max;
-    const bool good = h * (1 + d_square) <= 46 && t >= least && t <= most;
-    if (__builtin_expect(!good, 0)) {
-        const sagi_d4 products = sagi_d4_abs(turned_ab * ac) + sagi_d4_abs(ab * turned_ac);
-        const double d1 = sagi_solve1_sum(sagi_d4_abs(of.d));
-        const sagi_solve1_step s = {.size = size,
-                                    .d1 = d1,
-                                    .inverse = inverse,
-                                    .grazing = d1 * (size * size * fabs(inverse)),
-                                    .step = step,
-                                    .p_sum = sagi_solve1_sum(products * sagi_d4_abs(turned_p)),
-                                    .t = t};
-        if (!sagi_solve1_good(&s) || !(t <= t_max)) return false;
-    }
+    const double q = h * (1 + d_square);
+    const double error = 9.4 * fabs(found[3]) + (12.65 * q + 4) * fabs(step);
+    if (!(q <= 46) || !(error <= 2.79 * t) || !(t >= least) || !(t <= most)) return false;
     if (!(t >= ray->t_min)) return false;
     // sagi_triangle_confine.
     const sagi_d4 low = {-INFINITY, 0, 0, 0}, high = {INFINITY, 1, 1, 1};
