@@ -58,7 +58,7 @@ SAGI_INLINE void begin_search(search *s, sag_hit *best) {
 _Static_assert(offsetof(search, reach) == offsetof(search, found) + 32,
                "all that begins as 0, but for reach");
 
-// A certain hit that waits (triangles.inl, spheres.inl).
+// A certain hit that waits (triangle_hits.inl, spheres.inl).
 typedef struct candidate {
     const sagi_block *block;
     uint32_t lane;
@@ -192,6 +192,8 @@ static inline bool can_wait(const sagi_item *item);
 static bool put_off(const level *here, uint32_t geometry);
 
 #include "kernel/triangles.inl"
+
+#include "kernel/triangle_hits.inl"
 
 #include "kernel/spheres.inl"
 
