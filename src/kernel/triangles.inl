@@ -182,7 +182,7 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     if (!always && there == 0) return false;
     answer->certain = there & sagi_i8_mask(within), answer->uncertain = there & ~answer->certain;
     answer->inside = sagi_i8_mask(inside);
-    answer->back = ~sagi_i8_mask(sagi_f8_bits(den) >> 31);
+    answer->back = ~sagi_i8_mask(sagi_f8_below(den, 0));
     answer->t = t, answer->d = size, answer->b0 = b0, answer->b1 = b1;
     return there != 0;
 }

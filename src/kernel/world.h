@@ -53,7 +53,6 @@ struct sagi_world {
         int32_t finest;
         float wide;
     } quick;
-    bool plain;               // a tree, and nothing beside it: neither a solid nor anything unbounded
     sagi_plane_row planes[8]; // by the signs of a ray's direction
     sagi_bvh tree;            // boxes are ((p − origin) · scale), within [−1, 1]
     sag_vec3 origin;
@@ -62,6 +61,7 @@ struct sagi_world {
     const sagi_bvh_reference *unbounded; // tested for every ray
     uint32_t item_count, unbounded_count;
     uint32_t instance_levels; // 0 without instances, else one more than the children's most
+    bool plain;               // a tree, and nothing beside it: neither a solid nor anything unbounded
     bool has_spread;          // one of the two below is not 0
     // A ray with origin o that is brought to an object's space and back is off by at most
     // 2⁻⁵⁰ (spread_relative |o|∞ + spread_absolute) where it meets this world's boxes; both 0 when nothing
