@@ -14,19 +14,18 @@
 // row.
 #include "kernel/put_off.inl"
 
+#include "kernel/front.inl"
+
 #include "kernel/packet.inl"
 #include "kernel/solid_batch.inl"
 
 #define FLIGHTS       16
-#define FLIGHT_STACK  192 // enough for 27 levels; in deeper trees rays go alone
+#define FLIGHT_STACK  200 // enough for 27 levels below a front; in deeper trees rays go alone
 #define ENOUGH_LEAVES 10
 
 // A child, with the bits of the float where it begins above its number: such pairs are in the order of their
 // beginnings, as those are not negative.
 typedef uint64_t place;
-
-// Below all that waits on a flight's stack: a leaf that begins, by its bits, later than any limit.
-#define NOTHING ((place)UINT32_MAX << 32 | SAGI_BVH_LEAF)
 
 typedef struct flight {
     const void *at; // its next node or leaf,
@@ -55,6 +54,7 @@ typedef struct crowd {
     later *later;   // or NULL
     size_t count, begun;
     uint16_t *number;            // which rays, count of them
+    const front_places *fronts;  // CLOSEST: where they begin, one for PACKET_RAYS rays
     bool deep;                   // a flight's stack might not do
     uintptr_t first[2], unit[2]; // of nodes and leaves: where number 0 would be, and bytes
     flight *waiting[ERRAND_COUNT][FLIGHTS];
@@ -74,11 +74,6 @@ SAGI_INLINE uint32_t take_queue(crowd *c, errand e) {
     return count;
 }
 
-SAGI_INLINE uint32_t float_bits(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
 SAGI_INLINE float place_begin(place p) {
     const uint32_t bits = (uint32_t)(p >> 32);
     float x;
@@ -148,10 +143,21 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         } else if (come_to_tree(asked, false, &f->here, &unused, &signs, &over)) {
             f->here.tree_ray.planes = sagi_planes[signs];
             f->stack[0] = NOTHING, f->top = f->stack + 1;
-            f->at = c->world->tree.nodes, f->next = 0;
             f->limit = last_place(f->here.limit);
-            queue_up(c, AT_NODE, f);
-            return;
+            f->at = c->world->tree.nodes, f->next = 0;
+            if (asked == ANY) {
+                queue_up(c, AT_NODE, f);
+                return;
+            }
+            const front_places *from = &c->fronts[f->ray / PACKET_RAYS];
+            memcpy(f->top, from->places, sizeof from->places);
+            f->top += FRONT - 1, f->next = *f->top;
+            if (likely(f->next != NOTHING)) {
+                f->at = sagi_bvh_node_at(&c->world->tree, (uint32_t)f->next);
+                fetch(f->at, sizeof(sagi_bvh_node));
+                queue_up(c, AT_NODE, f);
+                return;
+            }
         }
         leave(asked, c, f);
     }
@@ -288,7 +294,7 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
-    c->deep = c->world->tree.depth > (FLIGHT_STACK - 1) / (SAGI_BVH_WIDTH - 1);
+    c->deep = c->world->tree.depth > (FLIGHT_STACK - 1 - FRONT) / (SAGI_BVH_WIDTH - 1);
     c->unit[0] = SAGI_BVH_STEP, c->unit[1] = SAGI_BVH_UNIT;
     c->first[0] = (uintptr_t)c->world->tree.nodes;
     c->first[1] = (uintptr_t)c->world->tree.leaves - SAGI_BVH_LEAF * SAGI_BVH_UNIT;
@@ -317,10 +323,13 @@ SAGI_INLINE void trace_crowd(question asked, crowd *c) {
 static void intersect_all_of(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count,
                              bool *doubtful) {
     uint16_t number[CROWD];
+    front_places fronts[CROWD / PACKET_RAYS];
+    front_crowd wanted;
     packet_luck luck = {0};
     later put;
     crowd c;
-    c.world = world, c.number = number, c.dark = NULL;
+    wanted.count = 0, wanted.luck = luck;
+    c.world = world, c.number = number, c.fronts = fronts, c.dark = NULL;
     c.later = doubtful == NULL && world->instance_levels > 0 ? &put : NULL;
     for (size_t first = 0, end; first < count; first = end) {
         end = count - first < CROWD ? count : first + CROWD;
@@ -331,13 +340,16 @@ static void intersect_all_of(const sagi_world *world, const sag_ray *rays, sag_h
             const uint32_t put_before = put.count;
             next = end - i < PACKET_RAYS ? end : i + PACKET_RAYS;
             uint32_t left = (1U << (next - i)) - 1;
+            front_places *start = &fronts[(i - first) / PACKET_RAYS];
+            front_at_root(start);
             if (next - i == PACKET_RAYS)
                 left = packet_intersect(world, rays + i, hits + i, doubtful != NULL ? doubtful + i : NULL,
-                                        c.later, &luck);
+                                        c.later, &luck, &wanted, start);
             if (put.count > put_before) forget_put_off(&put, put_before, (uint32_t)(i - first), left);
             for (; left != 0; left &= left - 1)
                 number[c.count++] = (uint16_t)(i - first + (size_t)__builtin_ctz(left));
         }
+        find_fronts(world, &wanted);
         trace_crowd(CLOSEST, &c);
         if (put.count > 0) take_up(world, &put, hits + first);
     }
@@ -362,7 +374,7 @@ static void occluded_batch(const sagi_world *world, const sag_ray *rays, bool *d
     }
     uint16_t number[CROWD];
     crowd c;
-    c.world = world, c.number = number, c.hits = NULL, c.doubtful = NULL, c.later = NULL;
+    c.world = world, c.number = number, c.hits = NULL, c.fronts = NULL, c.doubtful = NULL, c.later = NULL;
     for (size_t first = 0; first < count; first += c.count) {
         c.rays = rays + first, c.dark = dark + first;
         c.count = count - first < CROWD ? count - first : CROWD;

@@ -7,11 +7,7 @@
 // bits, and the rest go on alone, with the crowd (batch.inl). So the answers are those of the single call,
 // whatever the rays are.
 //
-// Walking. Let P be the common origin (ray.h has the units) and the Dᵢ have the same signs. A slab that a ray
-// meets at N = (b − P)/Dᵢ ≥ 0 is met no sooner by a ray with the packet's largest |Dᵢ|, and left no later by
-// one with the smallest; where N is negative, it is so for all. Per coordinate these are rays with a quick
-// way, whose entries and exits ray.h bounds. So with the scale of the largest for the near planes, that of
-// the smallest for the far ones, one step of the walk serves the packet and culls what all of them miss.
+// Walking is said in front.inl: P is the common origin, one step culls what all rays miss.
 //
 // Leaves. D = c + δ with c the packet's middle, in floats, and |δᵢ| ≤ Δ small. What blocks make of that, and
 // within which bounds, is said in packet_triangles.inl and packet_spheres.inl; what references stand for is
@@ -25,16 +21,6 @@
 #define PACKET_FOUND  (8 * PACKET_BLOCKS)
 #define FAR_UNITS     65536 // of trees with more leaves than the second cache holds
 #define PACKET_WORK   80    // a packet that needs more, in steps through nodes, is not worth it
-
-// After some packets in a row that were not worth it, or were none, more and more of the next go untried.
-typedef struct packet_luck {
-    uint32_t wait, poor;
-} packet_luck;
-
-static inline void note_luck(packet_luck *luck, bool poor) {
-    luck->poor = !poor ? luck->poor / 2 : luck->poor < 9 ? luck->poor + 1 : 9;
-    luck->wait = poor && luck->poor > 3 ? (1U << (luck->poor - 3)) - 1 : 0;
-}
 
 typedef struct packet {
     const sagi_world *world;
@@ -66,78 +52,19 @@ typedef struct packet {
     bool *doubtful; // of a mesh within a solid, else NULL: as in crowd (batch.inl)
 } packet;
 
-static inline sagi_l4 bits_at(const sag_ray *ray, size_t offset) {
-    return (sagi_l4)sagi_d4_load((const char *)ray + offset);
-}
-
-// Fills in the packet, and the ray that walks for it. False when the rays are no packet. Within a solid hits
-// closer to each other than 2⁻⁴⁸ (|t| + |o|∞/|d|∞) are not certain: in τ, that is at most 130 and twice |o|∞
-// in these units.
-SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world *world, const sag_ray *rays,
+// Fills in the packet of rays that run alike. Within a solid hits closer to each other than
+// 2⁻⁴⁸ (|t| + |o|∞/|d|∞) are not certain: in τ, that is at most 130 and twice |o|∞ in these units.
+SAGI_INLINE void packet_make(packet *p, const bundle *b, const sagi_world *world, const sag_ray *rays,
                              sag_hit *hits) {
-    // Equal: the origins, t_min, t_max and masks. Directions: their bounds. (A sum has a NaN if one is
-    // there.)
-    const size_t tail = offsetof(sag_ray, direction.z);
-    sagi_l4 origin = bits_at(rays, 0), end = bits_at(rays, tail), other_origin = origin ^ origin,
-            other_end = other_origin;
-    sagi_d4 lo = sagi_d4_load(&rays->direction), hi = lo, sum = lo;
-    for (size_t i = 1; i < PACKET_RAYS; i++) {
-        sagi_d4 d = sagi_d4_load(&rays[i].direction); // the fourth is t_min
-        other_origin |= bits_at(&rays[i], 0) ^ origin, other_end |= bits_at(&rays[i], tail) ^ end;
-        lo = sagi_d4_min(lo, d), hi = sagi_d4_max(hi, d), sum += d;
-    }
-    const union {
-        uint32_t half[8];
-        sagi_l4 all;
-    } mask_only = {.half = {0, 0, ~0U, ~0U, ~0U, ~0U, ~0U, 0}}; // not d.z, nor what follows the mask
-    sagi_l4 other = (other_origin & (sagi_l4){-1, -1, -1, 0}) | (other_end & mask_only.all);
-    if (((other[0] | other[1]) | (other[2] | other[3])) != 0) return false;
-
     const sag_ray *ray = rays;
-    sagi_d4 size = sagi_d4_max(sagi_d4_abs(lo), sagi_d4_abs(hi));
-    double largest = largest_of_three(size), spread = 0;
-    sagi_d4 q = (sagi_d4_load(&ray->origin) - world->center) * sagi_d4_fill(world->scale);
-    sagi_d4 small = sagi_d4_fill(largest * 0x1p-38), wide = sagi_d4_fill(largest * 0x1p-4);
-    sagi_l4 usual = ((lo >= small) | (hi <= -small)) & (hi - lo <= wide) & (sum == sum) &
-                    (sagi_d4_abs(q) < sagi_d4_fill(64));
-    if (world->has_spread)
-        spread = (greater(greater(fabs(ray->origin.x), fabs(ray->origin.y)), fabs(ray->origin.z)) *
-                      world->spread_relative +
-                  world->spread_absolute) *
-                 world->scale * 0x1p-50;
-    if (!(largest > 0x1p-100 && largest < 0x1p100 && ray->t_min >= 0 && ray->t_min <= ray->t_max &&
-          (sagi_d4_signs((sagi_d4)usual) & 7) == 7 && spread < 1))
-        return false;
-
-    union {
-        double value;
-        uint64_t bits;
-    } u = {.value = largest};
-    int exponent = (int)(u.bits >> 52) - 1022; // 2^(exponent − 1) ≤ largest < 2^exponent
-    double unit = power_of_two(exponent) * world->scale;
-    sagi_d4 down = sagi_d4_fill(power_of_two(-exponent));
-    lo *= down, hi *= down;
+    const sagi_d4 q = b->p, lo = b->lo, hi = b->hi, down = sagi_d4_fill(b->down);
+    const double spread = b->spread, unit = b->unit;
     p->world = world, p->rays = rays, p->hits = hits, p->p = q;
     p->c_float = sagi_d4_to_f4((lo + hi) * sagi_d4_fill(0.5)), p->c = sagi_f4_to_d4(p->c_float);
     sagi_d4 r = sagi_d4_max(hi - p->c, p->c - lo);
     p->spread = (float)largest_of_three(r) * (1 + 0x1p-20F) + 0x1p-28F;
     p->r = sagi_d4_to_f4(r) * (1 + 0x1p-20F) + 0x1p-50F;
-
-    // The quick way of ray.h, with two directions.
-    sagi_f4 low = sagi_d4_to_f4(lo), high = sagi_d4_to_f4(hi), start = sagi_d4_to_f4(q);
-    sagi_w4 sign = (sagi_w4)low & INT32_MIN, backward = (sagi_w4)low < 0;
-    sagi_f4 near_scale = 1 / (sagi_f4)((backward & (sagi_w4)low) | (~backward & (sagi_w4)high));
-    sagi_f4 far_scale = 1 / (sagi_f4)((backward & (sagi_w4)high) | (~backward & (sagi_w4)low));
-    near_scale *= 1 - 0x1p-21F, far_scale *= 1 + 0x1p-21F;
-    sagi_f4 margin =
-        (sagi_f4)((sagi_w4)start & INT32_MAX) * 0x1p-21F + (float)(0x1p-40 + spread * (1 + 0x1p-20));
-    margin = (sagi_f4)((sagi_w4)margin | sign);
-    sagi_f4 near_back = (start + margin) * near_scale, far_back = (start - margin) * far_scale;
-    walker->near_scale = near_scale, walker->near_back = near_back;
-    walker->far_scale = far_scale, walker->far_back = far_back;
-    walker->planes = sagi_planes[sagi_d4_signs(lo) & 7];
     double first = ray->t_min * unit, last = ray->t_max * unit;
-    walker->first_low = (float)(first * (1 - 0x1p-22)) + 0.0F; // not −0
     p->t_min = first, p->last = (float)(last * (1 - 0x1p-22)), p->unit = unit;
     p->error = 0x1p-43 + spread;
     if (p->doubtful != NULL)
@@ -149,10 +76,9 @@ SAGI_INLINE bool packet_make(packet *p, sagi_float_ray *walker, const sagi_world
         for (size_t j = 0; j < 8; j++)
             d[j] = sagi_d4_to_f4(sagi_d4_load(&rays[8 * i + j].direction) * down - p->c);
         sagi_f4_turn8(d, &p->x[i], &p->y[i], &p->z[i]);
-        p->limit[i] = sagi_f8_fill((float)(last * (1 + 0x1p-22) + 0x1p-70));
+        p->limit[i] = sagi_f8_fill(b->limit);
         p->earliest[i] = sagi_f8_fill(INFINITY), p->nearest[i] = (sagi_i8){-1, -1, -1, -1, -1, -1, -1, -1};
     }
-    return true;
 }
 
 // Two blocks may hold the same triangle.
@@ -325,23 +251,15 @@ static void packet_solve(const packet *p, uint32_t rays, sagi_block_kind kind) {
 
 #define PACKET_ALL ((uint32_t)((UINT64_C(1) << PACKET_RAYS) - 1))
 
-// The closest hits of PACKET_RAYS rays, except those it returns, which are all when they are no packet.
-static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, sag_hit *hits, bool *doubtful,
-                                 later *put, packet_luck *luck) {
-    if (luck->wait > 0) {
-        luck->wait--;
-        return PACKET_ALL;
-    }
-    if (world->tree.node_count == 0) return PACKET_ALL;
+// The closest hits of PACKET_RAYS rays that run alike, except those it returns.
+static __attribute__((noinline)) uint32_t packet_trace(const bundle *b, const sagi_world *world,
+                                                       const sag_ray *rays, sag_hit *hits, bool *doubtful,
+                                                       later *put, packet_luck *luck) {
     packet p;
-    sagi_float_ray walker;
     p.doubtful = doubtful, p.later = put;
-    if (!packet_make(&p, &walker, world, rays, hits)) {
-        note_luck(luck, true);
-        return PACKET_ALL;
-    }
+    packet_make(&p, b, world, rays, hits);
     if (world->unbounded_count != 0) packet_references(&p, world->unbounded, world->unbounded_count, 0);
-    packet_walk(&p, &walker);
+    packet_walk(&p, &b->walker);
     uint32_t of[2] = {0, 0}, missing = 0; // by the kind of what they met
     for (uint32_t i = 0; i < PACKET_GROUPS; i++) missing |= sagi_i8_mask(p.nearest[i] < 0) << 8 * i;
     missing &= ~p.undecided;
@@ -355,4 +273,24 @@ static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, s
         hits[__builtin_ctz(missing)] = (sag_hit){.t = INFINITY, .geometry = SAG_INVALID_ID};
     note_luck(luck, __builtin_popcount(p.undecided) > PACKET_RAYS / 2 || p.work > PACKET_WORK);
     return p.undecided;
+}
+
+// The closest hits of PACKET_RAYS rays, except those it returns, which are all when they do not run alike or
+// luck is low; and for these, if there is something to gain, the front is asked for.
+static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, sag_hit *hits, bool *doubtful,
+                                 later *put, packet_luck *luck, front_crowd *fronts, front_places *front) {
+    const bool tried = try_luck(luck), deeper = try_luck(&fronts->luck);
+    if (!(tried | deeper) || world->tree.node_count == 0) return PACKET_ALL;
+    bundle *b = &fronts->bundles[fronts->count];
+    if (!bundle_make(b, world, rays)) {
+        if (tried) note_luck(luck, true);
+        if (deeper) note_luck(&fronts->luck, true);
+        return PACKET_ALL;
+    }
+    const uint32_t left = tried ? packet_trace(b, world, rays, hits, doubtful, put, luck) : PACKET_ALL;
+    if (deeper && __builtin_popcount(left) >= FRONT_RAYS && front_allowed(b, world)) {
+        b->front = front;
+        if (++fronts->count == FRONTS) find_fronts(world, fronts);
+    }
+    return left;
 }

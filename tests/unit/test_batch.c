@@ -177,6 +177,41 @@ static void test_batches_have_the_bits_of_single_calls(void **state) {
     }
 }
 
+// Tiles so wide, seen from so far, that they hold hundreds of triangles: packets are given up, and their rays
+// begin at a front (kernel/front.inl), with ranges, masks and lengths of all kinds.
+static void compare_coarse(const sag_scene *scene, const sag_mesh *mesh, size_t rounds, uint64_t seed) {
+    rng r = rng_make(seed);
+    static sag_ray rays[MOST];
+    for (size_t round = 0; round < rounds; round++) {
+        const sag_vec3 target = vertex_of(&r, mesh);
+        const sag_vec3 eye = sag_madd(target, rng_uniform(&r, 4, 20), rng_direction(&r));
+        camera(&r, eye, target, rng_uniform(&r, 0.004, 0.012), 4, rays, MOST);
+        disturb(&r, rays, MOST, 1);
+        assert_same(scene, rays, MOST);
+    }
+}
+
+static void test_batches_of_large_meshes(void **state) {
+    (void)state;
+    rng r = rng_make(11);
+    test_mesh mesh = test_mesh_torus(240, 160);
+    test_mesh_move(&mesh, 1, sag_vec3_make(0, 0, 0), 0.003, &r);
+    const enum scene_kind kinds[] = {ALONE, MIRRORED, WITH_FLAT, INSTANCED};
+    for (int i = 0; i < SAGI_ISA_COUNT; i++) {
+        sag_context *c = sag_context_create(&(sag_context_options){.isa = sagi_isa_name((sagi_isa)i)});
+        if (c == NULL) continue;
+        for (int kind = 0; kind < 4; kind++) {
+            sag_scene *scene = sag_scene_create(c);
+            assert_non_null(scene);
+            add(c, scene, kinds[kind], mesh.mesh);
+            compare_coarse(scene, &mesh.mesh, soak(i == SAGI_ISA_PORTABLE ? 5 : 15), (uint64_t)kind);
+            sag_scene_destroy(scene);
+        }
+        sag_context_destroy(c);
+    }
+    test_mesh_free(&mesh);
+}
+
 // Shapes of all kinds with transforms, masks and instances.
 static void test_batches_in_mixed_scenes(void **state) {
     (void)state;
@@ -211,6 +246,7 @@ static void test_empty_scenes_and_batches(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_batches_have_the_bits_of_single_calls),
+        cmocka_unit_test(test_batches_of_large_meshes),
         cmocka_unit_test(test_batches_in_mixed_scenes),
         cmocka_unit_test(test_empty_scenes_and_batches),
     };
