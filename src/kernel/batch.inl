@@ -270,7 +270,7 @@ static __attribute__((noinline)) void settle_four(flight *const at[], uint32_t c
         item[i] = item_of(here, c->block);
         four.ray[i] = here->ray;
         four.t_max[i] = here->t_max;
-        put_corners(&four, i, item[i], sagi_block_reference(c->block, c->lane).primitive);
+        put_corners(&four, i, here->world, (const sagi_triangle_block *)(const void *)c->block, c->lane);
     }
     uint32_t hit = sagi_triangle_solve4(&four, (1U << count) - 1);
     for (; hit != 0; hit &= hit - 1) {

@@ -6,7 +6,8 @@
 // The grid's lines are 2^-exponent world units apart in all three directions (bvh.h has the units), and its
 // zero is at −1 + base·2⁻²⁰. A corner is at most half a grid step off the true vertex (SAGI_GRID_ERROR
 // covers the roundings of its calculation as well). So a block answers "certainly missed" and "certainly hit"
-// by itself, and where it cannot, the mesh's own vertices decide.
+// by itself, and where it cannot, the vertices decide: the mesh's own, or what a fourth cache line, which
+// the test does not need, makes of the block's corners (corners.h).
 //
 // Spheres of a set without a transform stand the same way, in 64 bytes up to four of them and in 128 bytes up
 // to eight: centres and radii on a grid on which all of the block's spheres lie between 0 and 65535, each
@@ -42,15 +43,16 @@ _Static_assert(sizeof(sagi_block) == 16, "the primitives' numbers follow");
 // A triangle's corners are a, b and c; of a mirrored mesh b and c have changed places (leaf.inl). Rows of
 // eight numbers, one a triangle, stand two by two, four numbers of the one and four of the other in turns: an
 // instruction that puts 16-bit numbers of two registers side by side then makes floats of a row at once
-// (sagi_f8_rows, simd.h). pair[k] are coordinate k of a and of b, pair[3] x and y of c; its z is alone. What
-// is beyond count is 0.
+// (sagi_f8_rows, simd.h). pair[k] are coordinate k of a and of b, pair[3] x and y of c; its z is alone.
+// rest[j] is what triangle j's corners lack (corners.h). What is beyond count is 0.
 typedef struct sagi_triangle_block {
     sagi_block head;
     uint16_t last[SAGI_BVH_WIDTH];
     uint32_t primitive[SAGI_BVH_WIDTH];
     uint16_t pair[4][2 * SAGI_BVH_WIDTH];
+    uint64_t rest[SAGI_BVH_WIDTH];
 } sagi_triangle_block;
-_Static_assert(sizeof(sagi_triangle_block) == 3 * SAGI_BVH_UNIT, "three cache lines");
+_Static_assert(sizeof(sagi_triangle_block) == 4 * SAGI_BVH_UNIT, "four cache lines");
 _Static_assert(offsetof(sagi_triangle_block, pair) == SAGI_BVH_UNIT, "no pair lies in two");
 
 // Where coordinate k of corner i of triangle j stands.

@@ -6,6 +6,7 @@
 // box is skipped only when it begins strictly beyond the best t: hits at equal t are compared by (instance
 // path, geometry, primitive), so the answer does not depend on the tree.
 #include "kernel/block.h"
+#include "kernel/corners.h"
 #include "kernel/kernel.h"
 #include "kernel/ray.h"
 #include "math/map.h"

@@ -190,7 +190,7 @@ static uint32_t solve_triangles(const packet *p, const uint32_t *which, uint32_t
         four.ray[i] = &p->rays[r], four.t_max[i] = p->rays[r].t_max;
         const sagi_item *item = &p->world->items[geometry[i]];
         turned |= item->mirrored;
-        put_corners(&four, i, item, primitive[i]);
+        put_corners(&four, i, p->world, block, nearest & 7);
     }
     const uint32_t found = sagi_triangle_solve4(&four, (1U << count) - 1);
     if (__builtin_expect(turned != 0, 0))

@@ -24,10 +24,28 @@ static inline mesh_corners corners_of(const sagi_item *item, uint32_t primitive)
                           sagi_mesh_vertex(mesh, corner[item->mirrored ? 1 : 2])};
 }
 
-// Asks for the memory that the solution of a candidate will need; its corners' numbers were asked for before.
+// The corners of a triangle that has them in its block.
+SAGI_INLINE void block_corners(const sagi_world *world, const sagi_triangle_block *block, size_t lane,
+                               sagi_d4 corner[3]) {
+    const block_constants *k = sagi_hidden(&in_blocks);
+    const sagi_fine_grid grid = {grid_zero(k, block->head.base), world->center, k->fine[block->head.exponent],
+                                 world->unit};
+    sagi_exact_corners(&k->rest, block, lane, &grid, corner);
+}
+
+// Asks for the memory that a solution will need, as soon as a triangle is known to be met: the rest of its
+// corners or, where vertices are doubles, their numbers.
+SAGI_INLINE void fetch_rest(const sag_mesh *mesh, const sagi_triangle_block *block, size_t lane) {
+    __builtin_prefetch(mesh->positions_f32 != NULL
+                           ? (const void *)block->rest
+                           : (const void *)(mesh->triangles + 3 * (size_t)block->primitive[lane]));
+}
+// And a while later: the vertices, if the block has not got them.
 static inline void fetch_corners(const level *here, const candidate *c) {
+    const sagi_triangle_block *block = (const sagi_triangle_block *)(const void *)c->block;
+    if (sagi_has_exact_corners(block, c->lane)) return;
     const sag_mesh *mesh = item_of(here, c->block)->shape;
-    const uint32_t *corner = mesh->triangles + 3 * (size_t)sagi_block_reference(c->block, c->lane).primitive;
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)block->primitive[c->lane];
     for (int i = 0; i < 3; i++) {
         size_t at = 3 * (size_t)corner[i];
         __builtin_prefetch(mesh->positions_f64 ? (const void *)(mesh->positions_f64 + at)
@@ -36,10 +54,14 @@ static inline void fetch_corners(const level *here, const candidate *c) {
 }
 
 // One of four hits that are solved at once.
-static inline void put_corners(sagi_triangle_four *four, uint32_t i, const sagi_item *item,
-                               uint32_t primitive) {
+static inline void put_corners(sagi_triangle_four *four, uint32_t i, const sagi_world *world,
+                               const sagi_triangle_block *block, size_t lane) {
+    const sagi_item *item = &world->items[block->head.geometry];
     sagi_d4 corner[3];
-    sagi_mesh_corners(item->shape, primitive, item->mirrored, corner);
+    if (sagi_has_exact_corners(block, lane))
+        block_corners(world, block, lane, corner);
+    else
+        sagi_mesh_corners(item->shape, block->primitive[lane], item->mirrored, corner);
     for (int k = 0; k < 3; k++) four->corner[k][i] = corner[k];
 }
 
@@ -100,8 +122,51 @@ static __attribute__((noinline)) void settle(level *here) {
     here->candidate_count = 0;
 }
 
+// What a search's found, odd, near, both_sides and path_length say in one number: 0 where there is no hit yet
+// and no instance around.
+SAGI_INLINE uint64_t state_of(const search *s) {
+    _Static_assert(offsetof(search, path_length) == offsetof(search, found) + 4 &&
+                       offsetof(search, both_sides) == offsetof(search, found) + 3,
+                   "they stand side by side");
+    uint64_t state;
+    memcpy(&state, &s->found, sizeof state);
+    return state;
+}
+
+// Whether all there is is one triangle that is certainly hit.
+SAGI_INLINE bool is_lone(const level *here) { return here->lone && state_of(here->search) == 0; }
+
+// Its hit.
+SAGI_INLINE void take_lone(level *here, const sagi_triangle_block *block, size_t lane, sagi_d4 tuv) {
+    search *s = here->search;
+    SAGI_KERNEL_COUNT(solved);
+    write_triangle(tuv, block->head.geometry, block->primitive[lane], s->best);
+    s->found = s->odd = true, s->near = s->both_sides = false;
+    here->t_max = tuv[0] + room_of(s, tuv[0]);
+}
+
+// By the mesh's vertices; false where they are doubles, and so perhaps those of a mirrored mesh, or it takes
+// more than the quick solution.
+SAGI_INLINE bool settle_lone(level *here) {
+    const candidate *c = &here->candidates[0];
+    const sagi_triangle_block *block = (const sagi_triangle_block *)(const void *)c->block;
+    const sag_mesh *mesh = here->lone_mesh;
+    if (mesh->positions_f64 != NULL) return false;
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)block->primitive[c->lane];
+    const size_t at[3] = {3 * (size_t)corner[0], 3 * (size_t)corner[1], 3 * (size_t)corner[2]};
+    const float *vertex = mesh->positions_f32;
+    sagi_d4 tuv;
+    if (!sagi_triangle_solve_quick(here->ray, here->t_max, sagi_d4_load4_float(vertex + at[0]),
+                                   sagi_d4_load4_float(vertex + at[1]), sagi_d4_load4_float(vertex + at[2]),
+                                   &tuv))
+        return false;
+    take_lone(here, block, c->lane, tuv);
+    return true;
+}
+
 // CLOSEST: settle where nothing is to come any more, of whatever is left.
 static __attribute__((noinline)) void settle_left(level *here) {
+    if (is_lone(here) && settle_lone(here)) return;
     search *s = here->search;
     const candidate *c = &here->candidates[0];
     if (here->candidate_count != 1 || s->found || c->block->kind != SAGI_BLOCK_TRIANGLES) {
@@ -123,43 +188,22 @@ static __attribute__((noinline)) void settle_left(level *here) {
     here->t_max = t + room_of(s, t);
 }
 
-// What a search's found, odd, near, both_sides and path_length say in one number: 0 where there is no hit yet
-// and no instance around.
-SAGI_INLINE uint64_t state_of(const search *s) {
-    _Static_assert(offsetof(search, path_length) == offsetof(search, found) + 4 &&
-                       offsetof(search, both_sides) == offsetof(search, found) + 3,
-                   "they stand side by side");
-    uint64_t state;
-    memcpy(&state, &s->found, sizeof state);
-    return state;
-}
-
-// The same. Mostly there is one triangle, and no hit yet. (Only vertices in doubles may be mirrored.)
+// The same. Mostly there is one triangle, and no hit yet, and its block has the corners.
 SAGI_INLINE void settle_last(level *here) {
-    search *s = here->search;
     const candidate *c = &here->candidates[0];
-    if (__builtin_expect(!here->lone || state_of(s) != 0, 0)) {
+    const sagi_triangle_block *block = (const sagi_triangle_block *)(const void *)c->block;
+    sagi_d4 corner[3], tuv;
+    if (__builtin_expect(!is_lone(here), 0) || __builtin_expect(!sagi_has_exact_corners(block, c->lane), 0)) {
         settle_left(here);
         return;
     }
-    const sag_mesh *mesh = here->lone_mesh;
-    const uint32_t primitive = ((const sagi_triangle_block *)(const void *)c->block)->primitive[c->lane];
-    const uint32_t *corner = mesh->triangles + 3 * (size_t)primitive;
-    const size_t at[3] = {3 * (size_t)corner[0], 3 * (size_t)corner[1], 3 * (size_t)corner[2]};
-    const float *vertex = mesh->positions_f32;
-    sagi_d4 tuv;
-    if (__builtin_expect(mesh->positions_f64 != NULL, 0) ||
-        __builtin_expect(!sagi_triangle_solve_quick(
-                             here->ray, here->t_max, sagi_d4_load4_float(vertex + at[0]),
-                             sagi_d4_load4_float(vertex + at[1]), sagi_d4_load4_float(vertex + at[2]), &tuv),
-                         0)) {
+    block_corners(here->world, block, c->lane, corner);
+    if (__builtin_expect(
+            !sagi_triangle_solve_quick(here->ray, here->t_max, corner[0], corner[1], corner[2], &tuv), 0)) {
         settle_left(here);
         return;
     }
-    SAGI_KERNEL_COUNT(solved);
-    write_triangle(tuv, c->block->geometry, primitive, s->best);
-    s->found = s->odd = true, s->near = s->both_sides = false;
-    here->t_max = tuv[0] + room_of(s, tuv[0]);
+    take_lone(here, block, c->lane, tuv);
 }
 
 // CLOSEST: a certain hit bounds what still matters, though its t is not known yet. False when it does not
@@ -202,16 +246,12 @@ SAGI_INLINE float latest_of(const sagi_triangle_block *block, const block_answer
     const float x = (answer->t[lane] + answer->b0[lane]) / (answer->d[lane] - answer->b1);
     return (begin + x * grid_lines[block->head.exponent]) * (1 + 0x1p-20F);
 }
-SAGI_INLINE void fetch_numbers(const sag_mesh *mesh, const sagi_triangle_block *block, size_t lane) {
-    __builtin_prefetch(mesh->triangles + 3 * (size_t)block->primitive[lane]);
-}
-
 static inline void add_triangle(level *here, const sagi_triangle_block *block, const block_answer *answer,
                                 uint32_t lane, float begin) {
     float earliest, latest;
     if (times_of(block, answer, lane, begin, &earliest, &latest) &&
         add_candidate(here, &block->head, lane, earliest, latest))
-        fetch_numbers(item_of(here, &block->head)->shape, block, lane);
+        fetch_rest(item_of(here, &block->head)->shape, block, lane);
 }
 
 // CLOSEST: the same of a block in which one triangle is met, for certain, while no other waits, as it is
@@ -230,7 +270,7 @@ SAGI_INLINE bool take_only(level *here, const sagi_triangle_block *block, const 
     here->limit = sagi_float_min(here->limit, latest);
     here->candidates[0] = (candidate){&block->head, (uint32_t)lane, begin}, here->lone_mesh = mesh;
     here->candidate_count = 1, here->in_tree = here->lone = true;
-    fetch_numbers(mesh, block, lane);
+    fetch_rest(mesh, block, lane);
     return true;
 }
 

@@ -71,6 +71,9 @@ typedef struct edge_bounds {
 // How many grid steps a world unit has, for each sagi_block.exponent.
 #define STEPS(i)  (double)((uint64_t)1 << (i))
 #define STEPS4(i) STEPS(i), STEPS((i) + 1), STEPS((i) + 2), STEPS((i) + 3)
+// And one over 128 times as many: a step of the fine grid (corners.h).
+#define FINE(i)  (1 / ((double)(1 << SAGI_REST_BITS) * STEPS(i)))
+#define FINE4(i) FINE(i), FINE((i) + 1), FINE((i) + 2), FINE((i) + 3)
 
 // What blocks' tests need of constants.
 typedef struct block_constants {
@@ -78,8 +81,9 @@ typedef struct block_constants {
     uint32_t sign, all_but_sign;
     double zero;
     uint64_t zero_bits, zero_exponent;
-    double steps[SAGI_GRID_MAX_EXPONENT + 1];
+    double steps[SAGI_GRID_MAX_EXPONENT + 1], fine[SAGI_GRID_MAX_EXPONENT + 1];
     edge_bounds bounds[256];
+    sagi_rest_constants rest;
 } block_constants;
 static const block_constants in_blocks = {
     .plus = SAGI_ROWS_PLUS,
@@ -94,7 +98,10 @@ static const block_constants in_blocks = {
     .zero_exponent = 0x41F0000000000000,
     .steps = {STEPS4(0), STEPS4(4), STEPS4(8), STEPS4(12), STEPS4(16), STEPS4(20), STEPS4(24), STEPS4(28),
               STEPS4(32), STEPS4(36), STEPS(40)},
+    .fine = {FINE4(0), FINE4(4), FINE4(8), FINE4(12), FINE4(16), FINE4(20), FINE4(24), FINE4(28), FINE4(32),
+             FINE4(36), FINE(40)},
     .bounds = {BOUNDS64(0), BOUNDS64(64), BOUNDS64(128), BOUNDS64(192)},
+    .rest = SAGI_REST_CONSTANTS,
 };
 _Static_assert(SAGI_GRID_MAX_EXPONENT == 40, "the last of the steps");
 SAGI_INLINE double grid_steps(const sagi_block *head) { return in_blocks.steps[head->exponent]; }

@@ -56,7 +56,7 @@ struct sagi_world {
     sagi_plane_row planes[8]; // by the signs of a ray's direction
     sagi_bvh tree;            // boxes are ((p − origin) · scale), within [−1, 1]
     sag_vec3 origin;
-    double scale; // a power of two
+    double scale, unit; // a power of two, and 1 over it
     const sagi_item *items;
     const sagi_bvh_reference *unbounded; // tested for every ray
     uint32_t item_count, unbounded_count;

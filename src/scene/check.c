@@ -46,7 +46,7 @@ static bool is_triangles(const sagi_snapshot *s, const sagi_triangle_block *bloc
     const sagi_block *head = &block->head;
     if (head->geometry >= s->count || s->items[head->geometry].kind != SAG_SHAPE_MESH) return false;
     for (uint32_t i = head->count; i < SAGI_BVH_WIDTH; i++)
-        if (block->primitive[i] != 0) return false;
+        if (block->primitive[i] != 0 || block->rest[i] != 0) return false;
     return head->exponent <= SAGI_GRID_MAX_EXPONENT && head->base >> (3 * SAGI_GRID_BASE_BITS) == 0;
 }
 

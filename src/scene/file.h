@@ -25,7 +25,7 @@
 #include "scene/scene.h"
 
 // Goes up whenever a section's content changes its meaning, nodes and leaves included.
-#define SAGI_FILE_VERSION    4u
+#define SAGI_FILE_VERSION    5u
 #define SAGI_FILE_MAGIC      "\x89SAG\r\n\x1a\n" // as PNG does it: shows when a file was sent as text
 #define SAGI_FILE_BYTE_ORDER 0x01020304u
 #define SAGI_FILE_ALIGNMENT  ((size_t)64)

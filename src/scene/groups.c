@@ -10,6 +10,7 @@
 // while everything fits; then kept trees need not be touched. So that it fits for a while, a scene in which
 // something is expected to change begins with twice the room.
 #include "scene/structure.h"
+#include <float.h>
 #include <string.h>
 
 #define FEW          256u   // primitives: no tree of their own. SAGI_FILE_VERSION goes up with a change
@@ -145,14 +146,23 @@ static double reach_from(const sag_box3 *b, sag_vec3 origin) {
     return fmax(sag_max_component(sag_sub(b->max, origin)), sag_max_component(sag_sub(origin, b->min)));
 }
 
-// The world's units: its middle, and the power of two that brings everything within [−1, 1].
+// A multiple of the unit nearby.
+static double rounded(double x, double unit) { return nearbyint(x / unit) * unit; }
+
+// The world's units: its middle, and the power of two that brings everything within [−1, 1]. The middle is
+// rounded a little, so that it is a round number where vertices are: else fine grids around it might have all
+// of them between their lines (kernel/corners.h).
 static void choose_units(sagi_snapshot *s) {
     const sag_box3 *b = &s->stats.bounds;
     s->world.origin = (sag_vec3){0, 0, 0};
     s->world.scale = 1;
     if (sag_box3_is_empty(b)) return;
     int exponent;
-    s->world.origin = sag_scale(sag_add(b->min, b->max), 0.5);
+    const sag_vec3 middle = sag_scale(sag_add(b->min, b->max), 0.5);
+    const double unit = frexp(reach_from(b, middle), &exponent) > 0 ? ldexp(1, exponent - 16) : 0;
+    s->world.origin = unit >= DBL_MIN ? (sag_vec3){rounded(middle.x, unit), rounded(middle.y, unit),
+                                                   rounded(middle.z, unit)}
+                                      : middle;
     frexp(reach_from(b, s->world.origin), &exponent);
     if (s->group_count > 0 && s->groups[s->group_count - 1].class != SAGI_GROUP_UNCHANGING) exponent++;
     s->world.scale = ldexp(1, -(exponent < -900 ? -900 : exponent));

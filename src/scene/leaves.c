@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Writing leaves (kernel/block.h): triangles of one mesh and spheres of one set as blocks of their own,
 // everything else as a list of references.
+#include "kernel/corners.h"
 #include "scene/grid.h"
 #include "scene/scene.h"
 #include "shapes/mesh.h"
@@ -107,28 +108,45 @@ static uint8_t longest_edge(sagi_triangle_block *block) {
 
 // A vertex (p − C)·scale errs by 2⁻⁵² in world units at most, which is 2⁻¹² grid steps at most; subtracting
 // the grid's zero may add as much, scaling is exact and rounding to the grid costs half a step:
-// SAGI_GRID_ERROR.
+// SAGI_GRID_ERROR. The finer grid of corners.h is rounded to as well, and read back.
 static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint32_t count,
                             sagi_triangle_block *block) {
     const double origin[3] = {s->world.origin.x, s->world.origin.y, s->world.origin.z};
-    const double scale = s->world.scale;
-    corners at;
-    read_corners(&s->items[p[0].geometry], p, count, at);
+    const double scale = s->world.scale, unit = 1 / scale;
+    const sagi_item *item = &s->items[p[0].geometry];
+    corners vertex, at;
+    read_corners(item, p, count, vertex);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-            for (int j = 0; j < SAGI_BVH_WIDTH; j++) at[i][k][j] = (at[i][k][j] - origin[k]) * scale;
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++) at[i][k][j] = (vertex[i][k][j] - origin[k]) * scale;
     sagi_block head = {.kind = SAGI_BLOCK_TRIANGLES, .count = (uint8_t)count, .geometry = p[0].geometry};
     double zero[3], steps = choose_grid(at, &head, zero);
     block->head = head;
     for (uint32_t j = 0; j < count; j++) block->primitive[j] = p[j].primitive;
+    const double fine_steps = steps * (1 << SAGI_REST_BITS), fine_step = 1 / fine_steps;
+    uint64_t rest[SAGI_BVH_WIDTH], other[SAGI_BVH_WIDTH];
+    for (int j = 0; j < SAGI_BVH_WIDTH; j++) rest[j] = 0, other[j] = 0;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
-            int32_t on_grid[SAGI_BVH_WIDTH];
+            int32_t on_grid[SAGI_BVH_WIDTH], fine[SAGI_BVH_WIDTH];
+            double back[SAGI_BVH_WIDTH];
             for (int j = 0; j < SAGI_BVH_WIDTH; j++)
-                on_grid[j] = (int32_t)((at[i][k][j] - zero[k]) * steps + 0.5);
+                on_grid[j] = (int32_t)((at[i][k][j] - zero[k]) * steps + 0.5),
+                fine[j] = (int32_t)((at[i][k][j] - zero[k]) * fine_steps + 0.5);
             for (int j = 0; j < SAGI_BVH_WIDTH; j++)
                 *sagi_block_corner(block, i, k, j) = (uint16_t)(j < (int)count ? on_grid[j] : 0);
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++)
+                back[j] = origin[k] + (zero[k] + fine[j] * fine_step) * unit;
+            for (int j = 0; j < SAGI_BVH_WIDTH; j++) {
+                uint64_t a, b, n = (uint64_t)(fine[j] - (on_grid[j] << SAGI_REST_BITS) + SAGI_REST_MIDDLE);
+                memcpy(&a, &back[j], sizeof a), memcpy(&b, &vertex[i][k][j], sizeof b);
+                other[j] |= (a ^ b) | n >> SAGI_REST_BITS;
+                rest[j] |= n << SAGI_REST_SHIFT(i, k);
+            }
         }
+    const bool floats = ((const sag_mesh *)item->shape)->positions_f32 != NULL;
+    for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++)
+        block->rest[j] = floats && j < count && other[j] == 0 ? rest[j] | SAGI_REST_EXACT : 0;
     block->head.edge = longest_edge(block);
 }
 

@@ -159,6 +159,7 @@ static void describe_units(sagi_snapshot *s) {
     s->world.lower = (sagi_d4){b->lo[0], b->lo[1], b->lo[2], 0};
     s->world.upper = (sagi_d4){b->hi[0], b->hi[1], b->hi[2], 0};
     s->world.units = (sagi_d4){0, s->world.scale, 1, 1};
+    s->world.unit = 1 / s->world.scale;
     s->world.quick = describe_quick(&s->world);
     s->world.quick_center = s->world.center;
     if (!(s->world.quick.error < INFINITY)) s->world.quick_center = (sagi_d4){NAN, NAN, NAN, NAN};

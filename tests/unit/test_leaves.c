@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What stands in a scene's leaves is what the meshes say: every triangle once, its corners on the block's
-// grid within SAGI_GRID_ERROR, its box within the child's; at any place and scale, for floats and doubles,
-// under mirroring maps, and for triangles tiny beside the scene.
-#include "kernel/block.h"
+// grid within SAGI_GRID_ERROR, exactly its vertices where it says so, its box within the child's; at any
+// place and scale, for floats and doubles, under mirroring maps, and for triangles tiny beside the scene.
+#include "kernel/corners.h"
 #include "scene/scene.h"
 #include "shapes/mesh.h"
 #include "support/context.h"
@@ -14,6 +14,28 @@
 #include <stdio.h>
 #include <cmocka.h>
 // clang-format on
+
+// Corners by the block alone are the mesh's vertices, bit by bit. They are not there for doubles.
+static void check_exact_corners(const sagi_world *w, const sagi_triangle_block *block, uint32_t j) {
+    static const sagi_rest_constants constants = SAGI_REST_CONSTANTS;
+    const sag_mesh *mesh = w->items[block->head.geometry].shape;
+    assert_non_null(mesh->positions_f32);
+    sagi_fine_grid grid = {.origin = {w->origin.x, w->origin.y, w->origin.z},
+                           .step = ldexp(1, -(block->head.exponent + SAGI_REST_BITS)),
+                           .unit = 1 / w->scale};
+    for (int k = 0; k < 3; k++) {
+        const uint64_t base = block->head.base >> (k * SAGI_GRID_BASE_BITS);
+        grid.zero[k] = (double)(base & ((1u << SAGI_GRID_BASE_BITS) - 1)) * 0x1p-20 - 1;
+    }
+    sagi_d4 corner[3];
+    sagi_exact_corners(&constants, block, j, &grid, corner);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            const uint32_t vertex = mesh->triangles[3 * (size_t)block->primitive[j] + (size_t)i];
+            const double p = (double)mesh->positions_f32[3 * (size_t)vertex + (size_t)k], q = corner[i][k];
+            assert_memory_equal(&p, &q, sizeof p);
+        }
+}
 
 static void check_triangle(const sagi_world *w, sagi_triangle_block *block, uint32_t j,
                            const sagi_bvh_node *node, int child) {
@@ -37,10 +59,14 @@ static void check_triangle(const sagi_world *w, sagi_triangle_block *block, uint
     }
 }
 
-// Checks all leaves; returns how many triangles there are.
-static uint64_t check_leaves(const sag_scene *scene) {
+// How many triangles there are in leaves, and how many of them with exact corners.
+typedef struct leaf_counts {
+    uint64_t triangles, exact;
+} leaf_counts;
+
+static leaf_counts counted_leaves(const sag_scene *scene) {
     const sagi_world *w = &sagi_scene_snapshot(scene)->world;
-    uint64_t triangles = 0;
+    leaf_counts counts = {0, 0};
     for (uint32_t n = 0; n < w->tree.node_count; n++) {
         const sagi_bvh_node *node = &w->tree.nodes[n];
         for (int i = 0; i < SAGI_BVH_WIDTH; i++) {
@@ -49,17 +75,25 @@ static uint64_t check_leaves(const sag_scene *scene) {
             if (leaf->kind != SAGI_BLOCK_TRIANGLES) continue;
             sagi_triangle_block *block = (void *)(uintptr_t)leaf;
             for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
-                if (j < leaf->count)
+                if (j < leaf->count) {
                     check_triangle(w, block, j, node, i);
-                else
+                } else {
                     for (int k = 0; k < 9; k++)
                         assert_int_equal(*sagi_block_corner(block, k / 3, k % 3, (int)j), 0);
+                    assert_true(block->rest[j] == 0);
+                }
+                if (!sagi_has_exact_corners(block, j)) continue;
+                check_exact_corners(w, block, j);
+                counts.exact++;
             }
-            triangles += leaf->count;
+            counts.triangles += leaf->count;
         }
     }
-    return triangles;
+    return counts;
 }
+
+// Checks all leaves; returns how many triangles there are.
+static uint64_t check_leaves(const sag_scene *scene) { return counted_leaves(scene).triangles; }
 
 static sag_scene *commit(sag_scene *scene) {
     sag_error error;
@@ -80,6 +114,49 @@ static void corners_are_on_the_grid(void **state) {
         sag_scene_get_stats(scene, &stats);
         assert_true(check_leaves(scene) == stats.primitive_count);
         sag_scene_destroy(scene);
+        test_mesh_free(&mesh);
+    }
+}
+
+// Rays onto the same triangles, once of floats and once of doubles, hit the same, bit by bit.
+static void hit_alike(const sag_scene *a, const sag_scene *b, sag_vec3 middle, rng *r) {
+    uint32_t hits = 0;
+    for (int i = 0; i < 10000; i++) {
+        const sag_vec3 from = sag_madd(middle, 2, rng_direction(r)),
+                       to = sag_madd(middle, 0.4, rng_direction(r));
+        const sag_ray ray = sag_ray_make(from, sag_sub(to, from));
+        sag_hit of_a = {.t = 0}, of_b = {.t = 0};
+        const bool found = sag_intersect(a, &ray, &of_a);
+        assert_true(found == sag_intersect(b, &ray, &of_b));
+        if (found) assert_memory_equal(&of_a, &of_b, sizeof of_a);
+        hits += found;
+    }
+    assert_true(hits > 1500);
+}
+
+// A scan, whose vertices are floats, has exact corners where coordinates are not near 0, which with a height
+// of 3 is everywhere; in doubles it has none.
+static void scans_have_exact_corners(void **state) {
+    (void)state;
+    rng r = rng_make(11);
+    for (int round = 0; round < 2; round++) {
+        const sag_vec3 middle = sag_vec3_make(1, -2, round == 0 ? 3 : 0.1);
+        test_mesh mesh = test_mesh_torus(200, 150);
+        test_mesh_move(&mesh, 0.37, middle, 0.001, &r);
+        float *positions = malloc(3 * (size_t)mesh.mesh.vertex_count * sizeof *positions);
+        assert_non_null(positions);
+        for (size_t i = 0; i < 3 * (size_t)mesh.mesh.vertex_count; i++)
+            positions[i] = (float)mesh.positions[i], mesh.positions[i] = (double)positions[i];
+        sag_mesh floats = mesh.mesh;
+        floats.positions_f32 = positions, floats.positions_f64 = NULL;
+        sag_scene *of_floats = scene_of(&floats), *of_doubles = scene_of(&mesh.mesh);
+        const leaf_counts narrow = counted_leaves(of_floats), wide = counted_leaves(of_doubles);
+        assert_true(narrow.triangles == wide.triangles && wide.exact == 0);
+        assert_true(round == 0 ? narrow.exact == narrow.triangles
+                               : narrow.exact < narrow.triangles && narrow.exact > narrow.triangles / 2);
+        hit_alike(of_floats, of_doubles, middle, &r);
+        sag_scene_destroy(of_floats), sag_scene_destroy(of_doubles);
+        free(positions);
         test_mesh_free(&mesh);
     }
 }
@@ -182,9 +259,8 @@ static void blocks_are_of_one_mesh(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(corners_are_on_the_grid),
-        cmocka_unit_test(small_triangles_stay_within),
-        cmocka_unit_test(bad_triangles_are_left_out),
+        cmocka_unit_test(corners_are_on_the_grid),     cmocka_unit_test(scans_have_exact_corners),
+        cmocka_unit_test(small_triangles_stay_within), cmocka_unit_test(bad_triangles_are_left_out),
         cmocka_unit_test(blocks_are_of_one_mesh),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -2,7 +2,7 @@
 // Files that somebody made to do harm: every checksum is right, the numbers are not. Loading may say no, or
 // yes; but then no query may leave its memory or go on for ever. (What shows it is a run with the address
 // sanitizer, and that the test ends.)
-#include "kernel/block.h"
+#include "kernel/corners.h"
 #include "scene/file.h"
 #include "support/context.h"
 #include "support/hostile.h"
@@ -182,6 +182,11 @@ static void triangle_that_is_not_there(void **state) {
     file = mesh_file_in_memory();
     block = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_LEAVES, 0).at);
     block->head.geometry = 40;
+    assert_refused(&file);
+    file = mesh_file_in_memory();
+    block = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_LEAVES, 0).at);
+    assert_true(block->head.count < SAGI_BVH_WIDTH);
+    block->rest[block->head.count] = SAGI_REST_EXACT; // beyond count
     assert_refused(&file);
 }
 

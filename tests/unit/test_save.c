@@ -355,7 +355,7 @@ static void foreign_files(void **state) {
     head->version++;
     saved_seal(&file);
     assert_int_equal(saved_read(context, file.bytes, file.count, &scene, &error), SAG_ERROR_FORMAT);
-    assert_non_null(strstr(error.message, "version 4"));
+    assert_non_null(strstr(error.message, "version 5"));
     *head = kept;
     head->byte_order = 0x04030201;
     saved_seal(&file);
