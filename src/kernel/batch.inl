@@ -54,7 +54,7 @@ typedef struct crowd {
     later *later;   // or NULL
     size_t count, begun;
     uint16_t *number;            // which rays, count of them
-    const front_places *fronts;  // CLOSEST: where they begin, one for PACKET_RAYS rays
+    const front_places *fronts;  // where they begin, one for PACKET_RAYS rays; or NULL
     bool deep;                   // a flight's stack might not do
     uintptr_t first[2], unit[2]; // of nodes and leaves: where number 0 would be, and bytes
     flight *waiting[ERRAND_COUNT][FLIGHTS];
@@ -145,7 +145,7 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
             f->stack[0] = NOTHING, f->top = f->stack + 1;
             f->limit = last_place(f->here.limit);
             f->at = c->world->tree.nodes, f->next = 0;
-            if (asked == ANY) {
+            if (asked == ANY || c->fronts == NULL) {
                 queue_up(c, AT_NODE, f);
                 return;
             }
@@ -323,33 +323,31 @@ SAGI_INLINE void trace_crowd(question asked, crowd *c) {
 static void intersect_all_of(const sagi_world *world, const sag_ray *rays, sag_hit *hits, size_t count,
                              bool *doubtful) {
     uint16_t number[CROWD];
-    front_places fronts[CROWD / PACKET_RAYS];
     front_crowd wanted;
     packet_luck luck = {0};
     later put;
     crowd c;
     wanted.count = 0, wanted.luck = luck;
-    c.world = world, c.number = number, c.fronts = fronts, c.dark = NULL;
+    c.world = world, c.number = number, c.dark = NULL;
     c.later = doubtful == NULL && world->instance_levels > 0 ? &put : NULL;
     for (size_t first = 0, end; first < count; first = end) {
         end = count - first < CROWD ? count : first + CROWD;
         c.rays = put.rays = rays + first, c.hits = hits + first, c.count = 0;
         c.doubtful = doubtful != NULL ? doubtful + first : NULL;
-        put.count = 0;
+        put.count = 0, wanted.used = false;
         for (size_t i = first, next; i < end; i = next) {
             const uint32_t put_before = put.count;
             next = end - i < PACKET_RAYS ? end : i + PACKET_RAYS;
             uint32_t left = (1U << (next - i)) - 1;
-            front_places *start = &fronts[(i - first) / PACKET_RAYS];
-            front_at_root(start);
             if (next - i == PACKET_RAYS)
                 left = packet_intersect(world, rays + i, hits + i, doubtful != NULL ? doubtful + i : NULL,
-                                        c.later, &luck, &wanted, start);
+                                        c.later, &luck, &wanted, &wanted.fronts[(i - first) / PACKET_RAYS]);
             if (put.count > put_before) forget_put_off(&put, put_before, (uint32_t)(i - first), left);
             for (; left != 0; left &= left - 1)
                 number[c.count++] = (uint16_t)(i - first + (size_t)__builtin_ctz(left));
         }
-        find_fronts(world, &wanted);
+        if (wanted.count > 0) find_fronts(world, &wanted);
+        c.fronts = wanted.used ? wanted.fronts : NULL;
         trace_crowd(CLOSEST, &c);
         if (put.count > 0) take_up(world, &put, hits + first);
     }

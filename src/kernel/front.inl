@@ -50,11 +50,6 @@ typedef struct front_places {
     uint64_t places[FRONT];
 } front_places;
 
-static inline void front_at_root(front_places *f) {
-    for (size_t i = 0; i < FRONT - 1; i++) f->places[i] = NOTHING;
-    f->places[FRONT - 1] = 0;
-}
-
 typedef struct bundle {
     sagi_d4 p, lo, hi;          // P; bounds of D
     double spread, unit, down;  // τ = t · unit; D = d · down
@@ -69,8 +64,10 @@ typedef struct bundle {
 // Bundles that wait until there are enough of them.
 typedef struct front_crowd {
     uint32_t count;
+    bool used; // the fronts below are there
     packet_luck luck;
     bundle bundles[FRONTS];
+    front_places fronts[CROWD / PACKET_RAYS];
 } front_crowd;
 
 static inline sagi_l4 bits_at(const sag_ray *ray, size_t offset) {
@@ -152,6 +149,13 @@ SAGI_INLINE uint32_t float_bits(float x) {
 SAGI_INLINE void fetch_node(const sagi_bvh *tree, uint32_t node) {
     const char *at = (const char *)sagi_bvh_node_at(tree, node);
     __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
+}
+
+// To begin with, all of a crowd's rays begin at the root.
+static __attribute__((noinline)) void begin_fronts(front_crowd *c) {
+    c->used = true;
+    for (size_t i = 0; i < CROWD / PACKET_RAYS; i++)
+        for (size_t j = 0; j < FRONT; j++) c->fronts[i].places[j] = j < FRONT - 1 ? NOTHING : 0;
 }
 
 // Whether each of the rays certainly goes the quick way, with the bundle's exponent: besides what a bundle

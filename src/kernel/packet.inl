@@ -289,6 +289,7 @@ static uint32_t packet_intersect(const sagi_world *world, const sag_ray *rays, s
     }
     const uint32_t left = tried ? packet_trace(b, world, rays, hits, doubtful, put, luck) : PACKET_ALL;
     if (deeper && __builtin_popcount(left) >= FRONT_RAYS && front_allowed(b, world)) {
+        if (!fronts->used) begin_fronts(fronts);
         b->front = front;
         if (++fronts->count == FRONTS) find_fronts(world, fronts);
     }
