@@ -56,6 +56,7 @@ typedef struct crowd {
     uint16_t *number;            // which rays, count of them
     const front_places *fronts;  // where they begin, one for PACKET_RAYS rays; or NULL
     bool deep;                   // a flight's stack might not do
+    bool plain;                  // that is not so, nor is anything else unusual (sagi_world.plain)
     uintptr_t first[2], unit[2]; // of nodes and leaves: where number 0 would be, and bytes
     flight *waiting[ERRAND_COUNT][FLIGHTS];
     flight flights[FLIGHTS];
@@ -117,6 +118,33 @@ SAGI_INLINE void fetch(const void *at, size_t bytes) {
     for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i);
 }
 
+// Brings the flight to the tree, or through all of it where its stack might not do. False when that is the
+// end of it. `plain`: as in crowd.
+SAGI_INLINE bool set_out(question asked, bool plain, crowd *c, flight *f) {
+    slabs unused;
+    bool over;
+    size_t signs;
+    if (!plain && c->deep) {
+        if (asked == ANY)
+            walk_any(&f->here);
+        else
+            walk_closest(&f->here);
+        return false;
+    }
+    if (!come_to_tree(asked, plain, &f->here, &unused, &signs, &over)) return false;
+    f->here.tree_ray.planes = sagi_planes[signs];
+    f->limit = last_place(f->here.limit);
+    f->top = f->stack + 1, f->at = c->world->tree.nodes, f->next = 0;
+    if (asked == ANY || c->fronts == NULL) return true;
+    const front_places *from = &c->fronts[f->ray / PACKET_RAYS];
+    memcpy(f->top, from->places, sizeof from->places);
+    f->top += FRONT - 1, f->next = *f->top;
+    if (f->next == NOTHING) return false;
+    f->at = sagi_bvh_node_at(&c->world->tree, (uint32_t)f->next);
+    fetch(f->at, sizeof(sagi_bvh_node));
+    return true;
+}
+
 // Begins rays in this flight until one has business in the tree, or all have begun.
 static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f) {
     while (c->begun < c->count) {
@@ -129,35 +157,19 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
             __builtin_prefetch((const char *)s->best + sizeof *s->best - 1, 1);
         }
         if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
-        s->later = c->later;
-        if (c->doubtful != NULL) s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
         enter_walk(&f->here, c->world, &c->rays[f->ray], s);
-        slabs unused;
-        bool over;
-        size_t signs;
-        if (__builtin_expect(c->deep, 0)) {
-            if (asked == ANY)
-                walk_any(&f->here);
-            else
-                walk_closest(&f->here);
-        } else if (come_to_tree(asked, false, &f->here, &unused, &signs, &over)) {
-            f->here.tree_ray.planes = sagi_planes[signs];
-            f->stack[0] = NOTHING, f->top = f->stack + 1;
-            f->limit = last_place(f->here.limit);
-            f->at = c->world->tree.nodes, f->next = 0;
-            if (asked == ANY || c->fronts == NULL) {
-                queue_up(c, AT_NODE, f);
-                return;
-            }
-            const front_places *from = &c->fronts[f->ray / PACKET_RAYS];
-            memcpy(f->top, from->places, sizeof from->places);
-            f->top += FRONT - 1, f->next = *f->top;
-            if (likely(f->next != NOTHING)) {
-                f->at = sagi_bvh_node_at(&c->world->tree, (uint32_t)f->next);
-                fetch(f->at, sizeof(sagi_bvh_node));
-                queue_up(c, AT_NODE, f);
-                return;
-            }
+        bool out;
+        if (__builtin_expect(c->plain, 1)) {
+            out = set_out(asked, true, c, f);
+        } else {
+            s->later = c->later;
+            if (c->doubtful != NULL)
+                s->grain = 0x1p-48, s->reach = reach_of(&c->rays[f->ray]), s->near = false;
+            out = set_out(asked, false, c, f);
+        }
+        if (__builtin_expect(out, 1)) {
+            queue_up(c, AT_NODE, f);
+            return;
         }
         leave(asked, c, f);
     }
@@ -299,7 +311,11 @@ SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->first[0] = (uintptr_t)c->world->tree.nodes;
     c->first[1] = (uintptr_t)c->world->tree.leaves - SAGI_BVH_LEAF * SAGI_BVH_UNIT;
     for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
-    for (uint32_t i = 0; i < FLIGHTS; i++) begin(asked, c, &c->flights[i]);
+    c->plain = c->world->plain && !c->deep && c->doubtful == NULL && c->later == NULL;
+    for (uint32_t i = 0; i < FLIGHTS; i++) {
+        c->flights[i].stack[0] = NOTHING;
+        begin(asked, c, &c->flights[i]);
+    }
     for (;;) {
         while (count_of(c, AT_NODE) > 0 && count_of(c, AT_LEAF) < ENOUGH_LEAVES) {
             all_steps(asked, c);
