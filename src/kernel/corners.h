@@ -49,7 +49,8 @@ SAGI_INLINE sagi_d4 sagi_exact_corner(const sagi_rest_constants *k, const sagi_f
     const sagi_rest4 shift = {SAGI_REST_SHIFT(i, 0), SAGI_REST_SHIFT(i, 1), SAGI_REST_SHIFT(i, 2), 0};
     // (The last seven bits of `coarse` are a neighbour's.)
     const sagi_rest4 coarse = four << up >> (48 - SAGI_REST_BITS);
-    const sagi_rest4 fine = ((sagi_rest4){rest, rest, rest, rest} >> shift & k->mask) | (coarse & ~k->mask);
+    const sagi_rest4 rests = {rest, rest, rest, rest};
+    const sagi_rest4 fine = ((rests >> shift) & k->mask) | (coarse & ~k->mask);
     const sagi_d4 n = (sagi_d4)(fine | k->whole) + sagi_d4_fill(k->minus_whole);
     return sagi_d4_fma(sagi_d4_fma(n, sagi_d4_fill(grid->step), grid->zero), sagi_d4_fill(grid->unit),
                        grid->origin);

@@ -138,7 +138,9 @@ static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p,
             for (int j = 0; j < SAGI_BVH_WIDTH; j++)
                 back[j] = origin[k] + (zero[k] + fine[j] * fine_step) * unit;
             for (int j = 0; j < SAGI_BVH_WIDTH; j++) {
-                uint64_t a, b, n = (uint64_t)(fine[j] - (on_grid[j] << SAGI_REST_BITS) + SAGI_REST_MIDDLE);
+                const int32_t less = fine[j] - on_grid[j] * (1 << SAGI_REST_BITS);
+                const uint64_t n = (uint64_t)((int64_t)less + SAGI_REST_MIDDLE);
+                uint64_t a, b;
                 memcpy(&a, &back[j], sizeof a), memcpy(&b, &vertex[i][k][j], sizeof b);
                 other[j] |= (a ^ b) | n >> SAGI_REST_BITS;
                 rest[j] |= n << SAGI_REST_SHIFT(i, k);
