@@ -370,11 +370,12 @@ SAGI_INLINE ray_state sagi_float_ray_begin(const sagi_world *world, const sag_ra
     sagi_f4 raw = sagi_d4_to_f4(d), p = sagi_d4_to_f4(q);
     const int32_t least = -0x2F800000 /* 2⁻³² */, most = 0x3D800000 /* 2³¹ less 64 */, no = INT32_MIN;
     const sagi_i8 shift = {least, least, least, 0, most, most, most, 0};
-    const sagi_i8 at = sagi_f8_bits(sagi_f8_abs(sagi_f8_join(raw, p))) + shift;
+    const sagi_i8 at = sagi_i8_wrapping_sum(sagi_f8_bits(sagi_f8_abs(sagi_f8_join(raw, p))), shift);
     const int32_t high = no | 0x70000000, half = 0x10000000;
     const size_t signs = sagi_d4_signs(d);
     if (likely(sagi_i8_none(at, (sagi_i8){high, high, high, 0, no, no, no, 0})) &&
-        likely(!sagi_i8_none(at + 0x7FFFFF, (sagi_i8){half, half, half, 0, 0, 0, 0, 0})) &&
+        likely(!sagi_i8_none(sagi_i8_wrapping_sum(at, sagi_i8_fill(0x7FFFFF)),
+                             (sagi_i8){half, half, half, 0, 0, 0, 0, 0})) &&
         likely(signs < 8) && likely(ray->t_min <= ray->t_max)) {
         *now = take_quick_way(world, ray, q, d, p, raw, false, 0, signs, out);
         return RAY_NOW;

@@ -108,6 +108,11 @@ SAGI_INLINE sagi_f8 sagi_f8_join(sagi_f4 a, sagi_f4 b) {
 }
 SAGI_INLINE sagi_i8 sagi_f8_bits(sagi_f8 a) { return (sagi_i8)a; }
 SAGI_INLINE sagi_i8 sagi_i8_fill(int32_t x) { return (sagi_i8){x, x, x, x, x, x, x, x}; }
+// The sum modulo 2³²; what is too large for a sum of signed numbers, C leaves undefined.
+SAGI_INLINE sagi_i8 sagi_i8_wrapping_sum(sagi_i8 a, sagi_i8 b) {
+    typedef uint32_t whole __attribute__((vector_size(32)));
+    return (sagi_i8)((whole)a + (whole)b);
+}
 SAGI_INLINE sagi_f8 sagi_f8_and(sagi_f8 a, sagi_i8 bits) { return (sagi_f8)((sagi_i8)a & bits); }
 SAGI_INLINE sagi_f8 sagi_f8_abs(sagi_f8 a) { return (sagi_f8)((sagi_i8)a & INT32_MAX); }
 SAGI_INLINE sagi_d4 sagi_d4_abs(sagi_d4 a) { return (sagi_d4)((sagi_l4)a & INT64_MAX); }
