@@ -93,11 +93,12 @@ static inline void sweep_pass(sweep *s, const sagi_bins *bins, int axis, int b) 
     s->hi = sagi_lanes_max(sagi_lanes_load(bins->at[axis][b].hi), s->hi);
     s->count += bins->held[axis][b];
 }
-// What so many primitives count for. A place in a leaf that stays empty costs a little, too: so ranges are
-// cut where leaves of eight will be full. Of scans' leaves a fifth are less, boxes that rays meet 1 % fewer.
+// What so many primitives count for. A place in a leaf that stays empty costs a quarter, too: so ranges are
+// cut where leaves of eight will be full. Scans have a tenth to an eighth fewer leaves, rays meet 1 % fewer
+// nodes.
 static inline float weight_of(uint32_t count) {
-    const uint32_t empty = (SAGI_BVH_MAX_LEAF - count % SAGI_BVH_MAX_LEAF) % SAGI_BVH_MAX_LEAF;
-    return (float)count + 0.25F * (float)empty;
+    static const float more[SAGI_BVH_MAX_LEAF] = {0, 1.75F, 1.5F, 1.25F, 1, 0.75F, 0.5F, 0.25F};
+    return (float)count + more[count % SAGI_BVH_MAX_LEAF];
 }
 static inline void sweep_note(const sweep *s, side *to, int cut) {
     sagi_lanes_store(to->extent[cut], sagi_lanes_clear(sagi_lanes_sub(s->hi, s->lo)));

@@ -106,13 +106,43 @@ static uint8_t longest_edge(sagi_triangle_block *block) {
     return (uint8_t)(longest >> 8);
 }
 
+// What corners lack (kernel/corners.h), as it comes together: of four triangles, each number in a row.
+typedef uint32_t four_numbers __attribute__((vector_size(16)));
+typedef uint16_t four_short __attribute__((vector_size(8))); // as they stand in a block, side by side
+typedef struct rests {
+    four_numbers corner[3]; // three times seven bits
+    four_numbers beyond;    // not 0: they do not fit,
+    sagi_l4 bad;            // not 0: and read back it is not the vertex
+} rests;
+
+// The grid, and what makes numbers of it coordinates again.
+typedef struct grid {
+    double zero[3], steps, fine_steps, fine_step, unit, origin[3];
+} grid;
+
+// Coordinate k of corner i of four triangles: rounds to both grids, and reads back from the finer one.
+SAGI_INLINE sagi_w4 round_four(rests *to, const grid *g, int i, int k, const double *vertex,
+                               const double *at) {
+    const sagi_d4 zero = sagi_d4_fill(g->zero[k]), half = sagi_d4_fill(0.5);
+    const sagi_d4 away = sagi_d4_load(at) - zero;
+    const sagi_w4 coarse = __builtin_convertvector(away * sagi_d4_fill(g->steps) + half, sagi_w4);
+    const sagi_w4 fine = __builtin_convertvector(away * sagi_d4_fill(g->fine_steps) + half, sagi_w4);
+    const four_numbers n = (four_numbers)fine + SAGI_REST_MIDDLE - ((four_numbers)coarse << SAGI_REST_BITS);
+    const sagi_d4 on_grid = __builtin_convertvector(fine, sagi_d4);
+    const sagi_d4 back =
+        sagi_d4_fill(g->origin[k]) + (zero + on_grid * sagi_d4_fill(g->fine_step)) * sagi_d4_fill(g->unit);
+    to->beyond |= n >> SAGI_REST_BITS, to->corner[i] |= n << SAGI_REST_SHIFT(0, k);
+    to->bad |= (sagi_l4)back ^ (sagi_l4)sagi_d4_load(vertex);
+    return coarse;
+}
+
 // A vertex (p − C)·scale errs by 2⁻⁵² in world units at most, which is 2⁻¹² grid steps at most; subtracting
 // the grid's zero may add as much, scaling is exact and rounding to the grid costs half a step:
 // SAGI_GRID_ERROR. The finer grid of corners.h is rounded to as well, and read back.
 static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p, uint32_t count,
                             sagi_triangle_block *block) {
     const double origin[3] = {s->world.origin.x, s->world.origin.y, s->world.origin.z};
-    const double scale = s->world.scale, unit = 1 / scale;
+    const double scale = s->world.scale;
     const sagi_item *item = &s->items[p[0].geometry];
     corners vertex, at;
     read_corners(item, p, count, vertex);
@@ -120,35 +150,28 @@ static void write_triangles(const sagi_snapshot *s, const sagi_bvh_primitive *p,
         for (int k = 0; k < 3; k++)
             for (int j = 0; j < SAGI_BVH_WIDTH; j++) at[i][k][j] = (vertex[i][k][j] - origin[k]) * scale;
     sagi_block head = {.kind = SAGI_BLOCK_TRIANGLES, .count = (uint8_t)count, .geometry = p[0].geometry};
-    double zero[3], steps = choose_grid(at, &head, zero);
+    grid g = {.unit = 1 / scale, .origin = {origin[0], origin[1], origin[2]}};
+    g.steps = choose_grid(at, &head, g.zero);
+    g.fine_steps = g.steps * (1 << SAGI_REST_BITS), g.fine_step = 1 / g.fine_steps;
     block->head = head;
     for (uint32_t j = 0; j < count; j++) block->primitive[j] = p[j].primitive;
-    const double fine_steps = steps * (1 << SAGI_REST_BITS), fine_step = 1 / fine_steps;
-    uint64_t rest[SAGI_BVH_WIDTH], other[SAGI_BVH_WIDTH];
-    for (int j = 0; j < SAGI_BVH_WIDTH; j++) rest[j] = 0, other[j] = 0;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            int32_t on_grid[SAGI_BVH_WIDTH], fine[SAGI_BVH_WIDTH];
-            double back[SAGI_BVH_WIDTH];
-            for (int j = 0; j < SAGI_BVH_WIDTH; j++)
-                on_grid[j] = (int32_t)((at[i][k][j] - zero[k]) * steps + 0.5),
-                fine[j] = (int32_t)((at[i][k][j] - zero[k]) * fine_steps + 0.5);
-            for (int j = 0; j < SAGI_BVH_WIDTH; j++)
-                *sagi_block_corner(block, i, k, j) = (uint16_t)(j < (int)count ? on_grid[j] : 0);
-            for (int j = 0; j < SAGI_BVH_WIDTH; j++)
-                back[j] = origin[k] + (zero[k] + fine[j] * fine_step) * unit;
-            for (int j = 0; j < SAGI_BVH_WIDTH; j++) {
-                const int32_t less = fine[j] - on_grid[j] * (1 << SAGI_REST_BITS);
-                const uint64_t n = (uint64_t)((int64_t)less + SAGI_REST_MIDDLE);
-                uint64_t a, b;
-                memcpy(&a, &back[j], sizeof a), memcpy(&b, &vertex[i][k][j], sizeof b);
-                other[j] |= (a ^ b) | n >> SAGI_REST_BITS;
-                rest[j] |= n << SAGI_REST_SHIFT(i, k);
-            }
-        }
     const bool floats = ((const sag_mesh *)item->shape)->positions_f32 != NULL;
-    for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++)
-        block->rest[j] = floats && j < count && other[j] == 0 ? rest[j] | SAGI_REST_EXACT : 0;
+    for (uint32_t first = 0; first < count; first += 4) {
+        const uint32_t here = count - first < 4 ? count - first : 4;
+        const sagi_w4 lane = {0, 1, 2, 3}, there = lane < (int32_t)here;
+        rests rest = {.beyond = {0}};
+        for (int i = 0; i < 3; i++)
+            for (int k = 0; k < 3; k++) {
+                const sagi_w4 coarse = round_four(&rest, &g, i, k, &vertex[i][k][first], &at[i][k][first]);
+                const four_short numbers = __builtin_convertvector(coarse & there, four_short);
+                memcpy(sagi_block_corner(block, i, k, (int)first), &numbers, sizeof numbers);
+            }
+        for (uint32_t j = 0; j < here && floats; j++)
+            if (rest.bad[j] == 0 && rest.beyond[j] == 0)
+                block->rest[first + j] =
+                    rest.corner[0][j] | (uint64_t)rest.corner[1][j] << SAGI_REST_SHIFT(1, 0) |
+                    (uint64_t)rest.corner[2][j] << SAGI_REST_SHIFT(2, 0) | SAGI_REST_EXACT;
+    }
     block->head.edge = longest_edge(block);
 }
 
