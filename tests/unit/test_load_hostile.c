@@ -183,11 +183,6 @@ static void triangle_that_is_not_there(void **state) {
     block = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_LEAVES, 0).at);
     block->head.geometry = 40;
     assert_refused(&file);
-    file = mesh_file_in_memory();
-    block = (void *)(file.bytes + hostile_find(&file, SAGI_FILE_LEAVES, 0).at);
-    assert_true(block->head.count < SAGI_BVH_WIDTH);
-    block->rest[block->head.count] = SAGI_REST_EXACT; // beyond count
-    assert_refused(&file);
 }
 
 // Five times a sphere in one block, with them the same set moved.
