@@ -185,6 +185,31 @@ static void triangle_that_is_not_there(void **state) {
     assert_refused(&file);
 }
 
+// What stands beyond a block's count is 0.
+static void triangle_beyond_the_count(void **state) {
+    (void)state;
+    for (int what = 0; what < 3; what++) {
+        rng r = rng_make(18);
+        saved file = mesh_file_in_memory();
+        const place nodes = hostile_find(&file, SAGI_FILE_NODES, 0),
+                    leaves = hostile_find(&file, SAGI_FILE_LEAVES, 0);
+        const sagi_bvh_node *n = (const void *)(file.bytes + nodes.at);
+        sagi_triangle_block *block = NULL;
+        for (size_t k = 0; k < nodes.bytes / sizeof *n && block == NULL; k++)
+            for (int i = 0; i < SAGI_BVH_WIDTH && block == NULL; i++) {
+                if (!(n[k].plane[0][i] <= n[k].plane[3][i]) || !sagi_bvh_is_leaf(n[k].child[i])) continue;
+                block = (void *)(file.bytes + leaves.at + sagi_bvh_unit(n[k].child[i]) * SAGI_BVH_UNIT);
+                if (block->head.kind != SAGI_BLOCK_TRIANGLES || block->head.count == SAGI_BVH_WIDTH)
+                    block = NULL;
+            }
+        assert_non_null(block);
+        if (what == 0) block->rest[SAGI_BVH_WIDTH - 1] = SAGI_REST_EXACT;
+        if (what == 1) block->primitive[SAGI_BVH_WIDTH - 1] = 1;
+        assert_int_equal(hostile_try(&r, context, &file), what == 2); // else nothing is wrong
+        saved_free(&file);
+    }
+}
+
 // Five times a sphere in one block, with them the same set moved.
 static sagi_block *sphere_file_in_memory(saved *file) {
     const float centers[15] = {0};
@@ -350,6 +375,7 @@ int main(void) {
         cmocka_unit_test(sphere_that_is_not_there),
         cmocka_unit_test(lone_sphere_that_is_not_there),
         cmocka_unit_test(triangle_that_is_not_there),
+        cmocka_unit_test(triangle_beyond_the_count),
         cmocka_unit_test(index_out_of_range),
         cmocka_unit_test(shape_that_is_not_valid),
         cmocka_unit_test(groups_that_lie),
