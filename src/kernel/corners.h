@@ -7,8 +7,8 @@
 //
 // They mostly are. Floats of at least x are multiples of 2⁻²³x if x is a power of two, so those are on the
 // fine grid that are not nearer to 0 than the block is long; and what is not there is seen when the block is
-// written, as it is read back then (scene/leaves.c). With n a number of the fine grid, 2⁻ᶠ its step, z its
-// zero, C the world's origin and s its scale, a power of two, a coordinate is
+// written, as it is read back then (write_triangles.inl). With n a number of the fine grid, 2⁻ᶠ its step, z
+// its zero, C the world's origin and s its scale, a power of two, a coordinate is
 //     p = C + (z + n 2⁻ᶠ)/s,
 // in doubles: the products are exact, so that with fused operations or without the bits are the same.
 #ifndef SAGI_KERNEL_CORNERS_H
@@ -35,9 +35,10 @@ typedef struct sagi_rest_constants {
     uint64_t mask, whole;
     double minus_whole;
 } sagi_rest_constants;
-#define SAGI_REST_WHOLE 0x1p52 // its bits, with n for the last ones, are 2⁵² + n
+#define SAGI_REST_WHOLE      0x1p52 // its bits, with n for the last ones, are 2⁵² + n
+#define SAGI_REST_WHOLE_BITS UINT64_C(0x4330000000000000)
 #define SAGI_REST_CONSTANTS                                                                                  \
-    { (1 << SAGI_REST_BITS) - 1, 0x4330000000000000, -(SAGI_REST_WHOLE + SAGI_REST_MIDDLE) }
+    { (1 << SAGI_REST_BITS) - 1, SAGI_REST_WHOLE_BITS, -(SAGI_REST_WHOLE + SAGI_REST_MIDDLE) }
 
 typedef uint64_t sagi_rest4 __attribute__((vector_size(32)));
 typedef uint64_t sagi_rest2 __attribute__((vector_size(16)));

@@ -6,6 +6,7 @@
 #define SAGI_KERNEL_KERNEL_H
 
 #include "base/cpu.h"
+#include "kernel/block.h"
 #include "kernel/world.h"
 
 // Takes the crossings of a ray as they are found: in any order, and one of a mesh perhaps several times, with
@@ -34,6 +35,9 @@ typedef struct sagi_kernel {
     void (*occluded_batch)(const sagi_world *world, const sag_ray *rays, bool *occluded, size_t count);
     // As sag_mesh_surface, of a mesh that is valid and a primitive that it has.
     void (*mesh_surface)(const sag_mesh *mesh, const sag_ray *ray, const sag_hit *hit, sag_surface *surface);
+    // A block of 1 to 8 triangles of one mesh; world has its units and items, *block is 0.
+    void (*write_triangles)(const sagi_world *world, const sagi_bvh_primitive *primitives, uint32_t count,
+                            sagi_triangle_block *block);
 } sagi_kernel;
 
 extern const sagi_kernel sagi_kernel_portable, sagi_kernel_sse42, sagi_kernel_avx2, sagi_kernel_avx512,

@@ -7,11 +7,13 @@
 // path, geometry, primitive), so the answer does not depend on the tree.
 #include "kernel/block.h"
 #include "kernel/corners.h"
+#include "kernel/grid.h"
 #include "kernel/kernel.h"
 #include "kernel/ray.h"
 #include "math/map.h"
 #include "shapes/closed.h"
 #include "shapes/common.h"
+#include "shapes/mesh.h"
 #include "shapes/mesh_surface.h"
 #include "shapes/outline_four.h"
 #include "shapes/sphere_four.h"
@@ -471,9 +473,12 @@ static bool begins_inside(const sagi_world *solid, const sag_ray *ray, bool *cro
 
 #include "kernel/batch.inl"
 
+#include "kernel/write_triangles.inl"
+
 static void mesh_surface(const sag_mesh *mesh, const sag_ray *ray, const sag_hit *hit, sag_surface *surface) {
     sagi_mesh_surface(mesh, ray, hit, surface);
 }
 
-const sagi_kernel SAGI_KERNEL_NAME = {intersect,     occluded,        crossings,      visit,
-                                      begins_inside, intersect_batch, occluded_batch, mesh_surface};
+const sagi_kernel SAGI_KERNEL_NAME = {intersect,      occluded,      crossings,
+                                      visit,          begins_inside, intersect_batch,
+                                      occluded_batch, mesh_surface,  write_triangles};

@@ -5,7 +5,7 @@
 // the grid's zero may add as much, scaling is exact, and so is the radius but for the rounding to the grid,
 // which costs half a step: SAGI_GRID_ERROR. The grid holds centre − radius and centre + radius, so a radius
 // is at most 32768 steps.
-#include "scene/grid.h"
+#include "kernel/grid.h"
 #include "scene/scene.h"
 #include "shapes/spheres.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The grid of a block (kernel/block.h): its zero below everything in the block, its step the smallest power
 // of two with which 16 bits reach the farthest. Coordinates are in world units, not below −1 nor above 1.
-#ifndef SAGI_SCENE_GRID_H
-#define SAGI_SCENE_GRID_H
+#ifndef SAGI_KERNEL_GRID_H
+#define SAGI_KERNEL_GRID_H
 
 #include "kernel/block.h"
 #include <string.h>
