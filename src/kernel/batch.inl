@@ -92,10 +92,9 @@ SAGI_INLINE void set_limit(flight *f) { f->limit = last_place(f->here.limit); }
 // foresee, so nothing here is a branch.
 SAGI_INLINE void send(crowd *c, flight *f, place next, bool met) {
     const size_t leaf = (uint32_t)next >> 31;
-    const char *at = (const char *)(c->first[leaf] + (uint32_t)next * c->unit[leaf]);
+    const void *at = (const void *)(c->first[leaf] + (uint32_t)next * c->unit[leaf]);
     f->next = next, f->at = at;
-    // Its first three cache lines will do: of a node's fourth the processor thinks itself.
-    __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
+    fetch_place(at);
     size_t e = sagi_if_above_long(next, f->limit, AT_LOOK, leaf);
     if (!__builtin_constant_p(met)) e = sagi_if_above_long(met, 0, AT_MET, e);
     queue_up(c, e, f);
@@ -112,10 +111,6 @@ SAGI_INLINE void leave(question asked, crowd *c, flight *f) {
     if (asked == CLOSEST && c->doubtful != NULL)
         c->doubtful[f->ray] = f->search.found && (f->search.near || !f->search.odd);
     write_answer(asked, c, f->ray, f->search.found);
-}
-
-SAGI_INLINE void fetch(const void *at, size_t bytes) {
-    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i);
 }
 
 // Brings the flight to the tree, or through all of it where its stack might not do. False when that is the
@@ -141,7 +136,7 @@ SAGI_INLINE bool set_out(question asked, bool plain, crowd *c, flight *f) {
     f->top += FRONT - 1, f->next = *f->top;
     if (f->next == NOTHING) return false;
     f->at = sagi_bvh_node_at(&c->world->tree, (uint32_t)f->next);
-    fetch(f->at, sizeof(sagi_bvh_node));
+    fetch_place(f->at);
     return true;
 }
 
@@ -156,7 +151,10 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
             __builtin_prefetch(s->best, 1);
             __builtin_prefetch((const char *)s->best + sizeof *s->best - 1, 1);
         }
-        if (c->begun + 4 < c->count) fetch(&c->rays[c->number[c->begun + 4]], sizeof(sag_ray));
+        if (c->begun + 4 < c->count) {
+            const sag_ray *ahead = &c->rays[c->number[c->begun + 4]];
+            __builtin_prefetch(ahead), __builtin_prefetch((const char *)ahead + 64);
+        }
         enter_walk(&f->here, c->world, &c->rays[f->ray], s);
         bool out;
         if (__builtin_expect(c->plain, 1)) {

@@ -146,11 +146,6 @@ SAGI_INLINE uint32_t float_bits(float x) {
     return bits;
 }
 
-SAGI_INLINE void fetch_node(const sagi_bvh *tree, uint32_t node) {
-    const char *at = (const char *)sagi_bvh_node_at(tree, node);
-    __builtin_prefetch(at), __builtin_prefetch(at + 64), __builtin_prefetch(at + 128);
-}
-
 // To begin with, all of a crowd's rays begin at the root.
 static __attribute__((noinline)) void begin_fronts(front_crowd *c) {
     c->used = true;
@@ -186,7 +181,7 @@ SAGI_INLINE bool front_step(const sagi_bvh *tree, bundle *b) {
     b->places[at] = sagi_if_above_long(stays, 0, old, next);
     b->count = (uint32_t)sagi_if_above_long(stays, 0, b->count, last + more);
     b->at += stays, b->gained += !stays;
-    fetch_node(tree, (uint32_t)b->places[b->at]);
+    fetch_place(sagi_bvh_node_at(tree, (uint32_t)b->places[b->at]));
     return b->at >= b->count;
 }
 

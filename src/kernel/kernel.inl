@@ -208,6 +208,13 @@ typedef struct waiting {
     uint32_t child;
 } waiting;
 
+// Asks for the memory of a node or leaf. Three cache lines will do: of a node's fourth the processor thinks
+// itself, of a leaf's a hit does.
+SAGI_INLINE void fetch_place(const void *at) {
+    const char *line = at;
+    __builtin_prefetch(line), __builtin_prefetch(line + 64), __builtin_prefetch(line + 128);
+}
+
 // Those that wait. Eight are written at a time, however few are met: the arrays have room for so many more.
 typedef struct stack {
     float *begin;

@@ -145,9 +145,7 @@ SAGI_INLINE float packet_limit(const packet *p) {
 }
 
 SAGI_INLINE void fetch_child(const sagi_bvh *tree, uint32_t at) {
-    const char *to =
-        sagi_bvh_is_leaf(at) ? (const char *)sagi_leaf(tree, at) : (const char *)sagi_bvh_node_at(tree, at);
-    __builtin_prefetch(to), __builtin_prefetch(to + 64), __builtin_prefetch(to + 128);
+    fetch_place(sagi_bvh_is_leaf(at) ? (const void *)sagi_leaf(tree, at) : sagi_bvh_node_at(tree, at));
 }
 
 SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
