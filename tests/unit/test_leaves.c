@@ -8,6 +8,7 @@
 #include "support/context.h"
 #include "support/meshes.h"
 #include <stdlib.h>
+#include <string.h>
 // clang-format off
 #include <stdarg.h>
 #include <setjmp.h>
@@ -59,6 +60,18 @@ static void check_triangle(const sagi_world *w, sagi_triangle_block *block, uint
     }
 }
 
+// What a block says of its edges' length is that of the longest.
+static void check_edges(sagi_triangle_block *block) {
+    int longest = 0;
+    for (int j = 0; j < block->head.count; j++)
+        for (int i = 1; i < 3; i++)
+            for (int k = 0; k < 3; k++) {
+                const int edge = *sagi_block_corner(block, i, k, j) - *sagi_block_corner(block, 0, k, j);
+                longest = abs(edge) > longest ? abs(edge) : longest;
+            }
+    assert_int_equal(block->head.edge, longest >> 8);
+}
+
 // How many triangles there are in leaves, and how many of them with exact corners.
 typedef struct leaf_counts {
     uint64_t triangles, exact;
@@ -74,6 +87,7 @@ static leaf_counts counted_leaves(const sag_scene *scene) {
             const sagi_block *leaf = sagi_leaf(&w->tree, node->child[i]);
             if (leaf->kind != SAGI_BLOCK_TRIANGLES) continue;
             sagi_triangle_block *block = (void *)(uintptr_t)leaf;
+            check_edges(block);
             for (uint32_t j = 0; j < SAGI_BVH_WIDTH; j++) {
                 if (j < leaf->count) {
                     check_triangle(w, block, j, node, i);
@@ -257,11 +271,52 @@ static void blocks_are_of_one_mesh(void **state) {
     test_mesh_free(&mesh);
 }
 
+// The same meshes, of floats, of doubles and mirrored, written by every kernel that this machine has: the
+// same bytes.
+static void every_kernel_writes_the_same_blocks(void **state) {
+    (void)state;
+    static const char *const names[] = {"portable", "sse42", "avx2", "avx512", "neon"};
+    rng r = rng_make(12);
+    test_mesh mesh = test_mesh_torus(90, 70);
+    test_mesh_move(&mesh, 3.7, sag_vec3_make(2, -1, 0.1), 0.01, &r);
+    const size_t count = 3 * (size_t)mesh.mesh.vertex_count;
+    float *positions = malloc(count * sizeof *positions);
+    assert_non_null(positions);
+    for (size_t i = 0; i < count; i++) positions[i] = (float)mesh.positions[i];
+    sag_mesh floats = mesh.mesh;
+    floats.positions_f32 = positions, floats.positions_f64 = NULL;
+    const sag_affine mirror = sag_affine_scale(sag_vec3_make(-1, 1.3, 0.7));
+    size_t length = 0;
+    void *blocks = NULL;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        sag_context *own = sag_context_create(&(sag_context_options){.isa = names[i]});
+        if (own == NULL) continue;
+        sag_scene *scene = sag_scene_create(own);
+        sag_add_mesh(scene, &floats), sag_add_mesh(scene, &mesh.mesh);
+        assert_int_equal(sag_geometry_set_transform(scene, sag_add_mesh(scene, &floats), &mirror), SAG_OK);
+        commit(scene);
+        const sagi_bvh *tree = &sagi_scene_snapshot(scene)->world.tree;
+        const size_t bytes = (size_t)tree->unit_count * SAGI_BVH_UNIT;
+        if (i == 0) {
+            length = bytes, blocks = malloc(bytes);
+            assert_non_null(blocks);
+            memcpy(blocks, tree->leaves, bytes);
+        }
+        assert_true(bytes == length);
+        assert_memory_equal(blocks, tree->leaves, bytes);
+        sag_scene_destroy(scene);
+        sag_context_destroy(own);
+    }
+    free(blocks);
+    free(positions);
+    test_mesh_free(&mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(corners_are_on_the_grid),     cmocka_unit_test(scans_have_exact_corners),
         cmocka_unit_test(small_triangles_stay_within), cmocka_unit_test(bad_triangles_are_left_out),
-        cmocka_unit_test(blocks_are_of_one_mesh),
+        cmocka_unit_test(blocks_are_of_one_mesh),      cmocka_unit_test(every_kernel_writes_the_same_blocks),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
