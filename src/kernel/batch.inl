@@ -53,11 +53,11 @@ typedef struct crowd {
     bool *doubtful; // of a mesh within a solid: whether the hit is not one crossing and alone; else NULL
     later *later;   // or NULL
     size_t count, begun;
-    uint16_t *number;            // which rays, count of them
-    const front_places *fronts;  // where they begin, one for PACKET_RAYS rays; or NULL
-    bool deep;                   // a flight's stack might not do
-    bool plain;                  // that is not so, nor is anything else unusual (sagi_world.plain)
-    uintptr_t first[2], unit[2]; // of nodes and leaves: where number 0 would be, and bytes
+    uint16_t *number;           // which rays, count of them
+    const front_places *fronts; // where they begin, one for PACKET_RAYS rays; or NULL
+    bool deep;                  // a flight's stack might not do
+    bool plain;                 // that is not so, nor is anything else unusual (sagi_world.plain)
+    sagi_places places;
     flight *waiting[ERRAND_COUNT][FLIGHTS];
     flight flights[FLIGHTS];
 } crowd;
@@ -75,12 +75,7 @@ SAGI_INLINE uint32_t take_queue(crowd *c, errand e) {
     return count;
 }
 
-SAGI_INLINE float place_begin(place p) {
-    const uint32_t bits = (uint32_t)(p >> 32);
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
+SAGI_INLINE float place_begin(place p) { return float_of((uint32_t)(p >> 32)); }
 
 // The last one that begins at the limit.
 SAGI_INLINE place last_place(float limit) { return (place)float_bits(limit) << 32 | UINT32_MAX; }
@@ -92,7 +87,7 @@ SAGI_INLINE void set_limit(flight *f) { f->limit = last_place(f->here.limit); }
 // foresee, so nothing here is a branch.
 SAGI_INLINE void send(crowd *c, flight *f, place next, bool met) {
     const size_t leaf = (uint32_t)next >> 31;
-    const void *at = (const void *)(c->first[leaf] + (uint32_t)next * c->unit[leaf]);
+    const void *at = sagi_place_at(&c->places, (uint32_t)next);
     f->next = next, f->at = at;
     fetch_place(at);
     size_t e = sagi_if_above_long(next, f->limit, AT_LOOK, leaf);
@@ -147,10 +142,7 @@ static __attribute__((noinline)) void begin(question asked, crowd *c, flight *f)
         // Its answer's place, and the ray that comes a few turns later.
         search *s = &f->search;
         begin_search(s, asked == CLOSEST ? &c->hits[f->ray] : NULL);
-        if (asked == CLOSEST) {
-            __builtin_prefetch(s->best, 1);
-            __builtin_prefetch((const char *)s->best + sizeof *s->best - 1, 1);
-        }
+        if (asked == CLOSEST) fetch_answer(s->best);
         if (c->begun + 4 < c->count) {
             const sag_ray *ahead = &c->rays[c->number[c->begun + 4]];
             __builtin_prefetch(ahead), __builtin_prefetch((const char *)ahead + 64);
@@ -305,9 +297,7 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
     c->deep = c->world->tree.depth > (FLIGHT_STACK - 1 - FRONT) / (SAGI_BVH_WIDTH - 1);
-    c->unit[0] = SAGI_BVH_STEP, c->unit[1] = SAGI_BVH_UNIT;
-    c->first[0] = (uintptr_t)c->world->tree.nodes;
-    c->first[1] = (uintptr_t)c->world->tree.leaves - SAGI_BVH_LEAF * SAGI_BVH_UNIT;
+    c->places = c->world->places;
     for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
     c->plain = c->world->plain && !c->deep && c->doubtful == NULL && c->later == NULL;
     for (uint32_t i = 0; i < FLIGHTS; i++) {

@@ -140,12 +140,6 @@ SAGI_INLINE bool bundle_make(bundle *b, const sagi_world *world, const sag_ray *
     return true;
 }
 
-SAGI_INLINE uint32_t float_bits(float x) {
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
 // To begin with, all of a crowd's rays begin at the root.
 static __attribute__((noinline)) void begin_fronts(front_crowd *c) {
     c->used = true;

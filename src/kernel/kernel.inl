@@ -127,6 +127,13 @@ static inline void collect(search *s, const sagi_world *world, const sag_hit *hi
         sagi_collector_add(&s->collector, hit);
 }
 
+// Asks for the memory of an answer, long before it is written: stores keep their order, so all that follow
+// one that is far away wait with it; and of answers that only hits write to, the processor cannot see which
+// comes next.
+SAGI_INLINE void fetch_answer(const sag_hit *hit) {
+    __builtin_prefetch(hit, 1), __builtin_prefetch((const char *)hit + sizeof *hit - 1, 1);
+}
+
 // All bits set. (To copy it takes a few moves; to fill the memory is a call.)
 #define EIGHT_ONES                                                                                           \
     UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX
@@ -202,6 +209,17 @@ static bool put_off(const level *here, uint32_t geometry);
 
 #include "kernel/leaf.inl"
 
+SAGI_INLINE uint32_t float_bits(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+SAGI_INLINE float float_of(uint32_t bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 // A node or leaf, and the τ at which the ray comes to it at the earliest.
 typedef struct waiting {
     float begin;
@@ -215,12 +233,22 @@ SAGI_INLINE void fetch_place(const void *at) {
     __builtin_prefetch(line), __builtin_prefetch(line + 64), __builtin_prefetch(line + 128);
 }
 
+// All of it, for a single ray, which has time for it.
+SAGI_INLINE void fetch_whole(const void *at) { fetch_place(at), __builtin_prefetch((const char *)at + 192); }
+
 // Those that wait. Eight are written at a time, however few are met: the arrays have room for so many more.
+// And there is one before the first, which is never taken, so that there are always two on top.
 typedef struct stack {
     float *begin;
     uint32_t *child;
     size_t height;
 } stack;
+#define STACK_PLACES (1 + SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH)
+
+SAGI_INLINE stack empty_stack(float begin[STACK_PLACES], uint32_t child[STACK_PLACES]) {
+    begin[0] = INFINITY, child[0] = 0;
+    return (stack){begin + 1, child + 1, 0};
+}
 
 // What a step needs of the ray, each number in all lanes: with enough registers it stays there from step to
 // step.
@@ -280,9 +308,13 @@ SAGI_INLINE sagi_f8 ends_of(size_t node, const slabs *r, float limit) {
 }
 
 // One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
-// handed back; the others go on the stack. False when there is none.
-SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const slabs *r, float limit, stack *waits,
-                      waiting *next) {
+// handed back; the others go on the stack, in any order. False when there is none.
+//
+// A single ray waits for memory longest where it comes back to what waits. So the first and the last of what
+// goes on the stack, mostly all of it, are asked for now. (Where nothing does, it is the node's first child,
+// for naught; whether something does is not to be foreseen, and to guess would take longer.)
+SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const sagi_places *places, const slabs *r,
+                      float limit, stack *waits, waiting *next) {
     const size_t at = next->child * SAGI_BVH_STEP;
     const sagi_bvh_node *node = sagi_bvh_node_at(tree, next->child);
     sagi_f8 begin = begins_of(at, r), end = ends_of(at, r, limit);
@@ -295,13 +327,13 @@ SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const slabs *r, floa
     } least;
     const sagi_i8 child = sagi_i8_load(node->child);
     sagi_i8 met, order = sagi_f8_in_order(begin, end, &met);
-    uint32_t mask = sagi_i8_mask(met), lane, nearest;
-    least.bits = sagi_i8_least_from(order, child, &nearest);
+    uint32_t mask = sagi_i8_mask(met), lane;
     if (mask == 0) return false;
     if (asked == CLOSEST) {
+        least.bits = sagi_i8_least_from(order, child, &next->child);
         lane = least.bits & 7;
         least.bits &= ~7U;
-        next->begin = least.value, next->child = nearest;
+        next->begin = least.value;
     } else {
         lane = (uint32_t)__builtin_ctz(mask);
         next->begin = begin[lane], next->child = node->child[lane];
@@ -309,6 +341,8 @@ SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const slabs *r, floa
     mask &= ~(1U << lane);
     sagi_write_lanes(mask, begin, waits->begin + waits->height, child, waits->child + waits->height);
     waits->height += (size_t)__builtin_popcount(mask);
+    fetch_whole(sagi_place_at(places, node->child[31 ^ __builtin_clz(mask | 1)]));
+    fetch_whole(sagi_place_at(places, node->child[sagi_lowest(mask) & 7]));
     return true;
 }
 
@@ -337,14 +371,25 @@ SAGI_INLINE bool come_to_tree(question asked, bool plain, level *here, slabs *r,
     return true;
 }
 
-// Takes the next that still matters from the stack; false when there is none.
+// Takes the next that still matters from the stack, for CLOSEST the nearer of the two on top; false when
+// there is none. (As whole numbers, beginnings are in the same order. Which of the two it is nobody can
+// foresee.)
 SAGI_INLINE bool pop(question asked, float limit, stack *waits, waiting *next) {
     do {
         if (waits->height == 0) return false;
         waits->height--;
-        next->begin = waits->begin[waits->height];
-    } while (asked == CLOSEST && next->begin > limit);
-    next->child = waits->child[waits->height];
+        float *begin = waits->begin + waits->height;
+        uint32_t *child = waits->child + waits->height;
+        if (asked != CLOSEST) {
+            *next = (waiting){begin[0], child[0]};
+            return true;
+        }
+        const uint32_t a = float_bits(begin[0]), b = float_bits(begin[-1]);
+        const uint32_t child_a = child[0], child_b = child[-1];
+        next->begin = float_of(sagi_if_above(a, b, b, a)), begin[-1] = float_of(sagi_if_above(a, b, a, b));
+        next->child = sagi_if_above(a, b, child_b, child_a);
+        child[-1] = sagi_if_above(a, b, child_a, child_b);
+    } while (next->begin > limit);
     return true;
 }
 
@@ -395,14 +440,16 @@ SAGI_INLINE bool walk(question asked, bool plain, level *here) {
     slabs r;
     if (!come_to_tree(asked, plain, here, &r, &signs, &over)) return over;
     const sagi_plane_row *planes = &here->world->planes[signs];
-    float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
-    uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
-    stack waits = {begin, child, 0};
+    float begin[STACK_PLACES];
+    uint32_t child[STACK_PLACES];
+    stack waits = empty_stack(begin, child);
+    const sagi_places places = here->world->places;
     waiting next = {0, 0}; // the root
     for (;;) {
         const float limit = here->limit;
         while (!sagi_bvh_is_leaf(next.child))
-            if (!step(asked, tree, &r, limit, &waits, &next) && !pop(asked, limit, &waits, &next)) goto end;
+            if (!step(asked, tree, &places, &r, limit, &waits, &next) && !pop(asked, limit, &waits, &next))
+                goto end;
         if (leaf_apart(asked, here, sagi_leaf(tree, next.child), next.begin)) return true;
         if (!pop(asked, here->limit, &waits, &next)) break;
         r = slabs_at(&here->tree_ray, planes); // anew, so that it need not be kept meanwhile
@@ -427,6 +474,7 @@ static __attribute__((noinline)) bool walk_any_world(question asked, level *here
 static bool intersect(const sagi_world *world, const sag_ray *ray, sag_hit *hit) {
     search s;
     level here;
+    fetch_answer(hit);
     begin_search(&s, hit), enter_walk(&here, world, ray, &s);
     if (__builtin_expect(world->plain, 1))
         walk(CLOSEST, true, &here);

@@ -19,8 +19,7 @@
 #define PACKET_RAYS   (8 * PACKET_GROUPS)
 #define PACKET_BLOCKS 256 // that nearest primitives may stand in
 #define PACKET_FOUND  (8 * PACKET_BLOCKS)
-#define FAR_UNITS     65536 // of trees with more leaves than the second cache holds
-#define PACKET_WORK   80    // a packet that needs more, in steps through nodes, is not worth it
+#define PACKET_WORK   80 // a packet that needs more, in steps through nodes, is not worth it
 
 typedef struct packet {
     const sagi_world *world;
@@ -144,27 +143,22 @@ SAGI_INLINE float packet_limit(const packet *p) {
     return sagi_f8_most(most);
 }
 
-SAGI_INLINE void fetch_child(const sagi_bvh *tree, uint32_t at) {
-    fetch_place(sagi_bvh_is_leaf(at) ? (const void *)sagi_leaf(tree, at) : sagi_bvh_node_at(tree, at));
-}
-
 SAGI_INLINE void packet_walk(packet *p, const sagi_float_ray *walker) {
     const sagi_bvh *tree = &p->world->tree;
-    float begin[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
-    uint32_t child[SAGI_BVH_STACK_SIZE + SAGI_BVH_WIDTH];
-    stack waits = {begin, child, 0};
+    float begin[STACK_PLACES];
+    uint32_t child[STACK_PLACES];
+    stack waits = empty_stack(begin, child);
+    const sagi_places places = p->world->places;
     waiting next = {0, 0};
     float limit = packet_limit(p);
     const slabs r = slabs_of(walker, tree->nodes);
-    const bool far = tree->unit_count > FAR_UNITS;
     for (;;) {
-        if (far && waits.height > 0) fetch_child(tree, child[waits.height - 1]); // probably what comes next
         if (!sagi_bvh_is_leaf(next.child)) {
             SAGI_KERNEL_COUNT(packet_nodes);
             if (++p->work > PACKET_WORK) {
                 give_up_from(p, next.begin);
                 limit = packet_limit(p);
-            } else if (step(CLOSEST, tree, &r, limit, &waits, &next)) {
+            } else if (step(CLOSEST, tree, &places, &r, limit, &waits, &next)) {
                 continue;
             }
         } else {

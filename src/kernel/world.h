@@ -40,6 +40,16 @@ typedef struct sagi_plane_row {
     const char *near_plane[3], *far_plane[3], *unused[2];
 } sagi_plane_row;
 
+// Where nodes and leaves are, in this order: where number 0 would be, and the bytes from one to the next.
+typedef struct sagi_places {
+    uintptr_t first[2], unit[2];
+} sagi_places;
+static inline const void *sagi_place_at(const sagi_places *p, uint32_t child) {
+    const size_t leaf = child >> 31;
+    _Static_assert(SAGI_BVH_LEAF == 1U << 31, "a leaf is told by the highest bit");
+    return (const void *)(p->first[leaf] + child * p->unit[leaf]);
+}
+
 struct sagi_world {
     sagi_d4 center, lower, upper; // the origin, and the tree's box, in doubles for ray.h
     // The origin once more; NaN where transforms may move things by more than the scene's size, which makes
@@ -54,7 +64,8 @@ struct sagi_world {
         float wide;
     } quick;
     sagi_plane_row planes[8]; // by the signs of a ray's direction
-    sagi_bvh tree;            // boxes are ((p − origin) · scale), within [−1, 1]
+    sagi_places places;
+    sagi_bvh tree; // boxes are ((p − origin) · scale), within [−1, 1]
     sag_vec3 origin;
     double scale, unit; // a power of two, and 1 over it
     const sagi_item *items;

@@ -59,6 +59,15 @@ SAGI_INLINE uint32_t sagi_last_bits(uint32_t x, uint32_t n) {
 #endif
 }
 
+// The number of the lowest bit set; 32 where none is.
+SAGI_INLINE uint32_t sagi_lowest(uint32_t x) {
+#if defined(SAGI_SIMD_AVX2) && defined(__BMI__)
+    return _tzcnt_u32(x);
+#else
+    return x != 0 ? (uint32_t)__builtin_ctz(x) : 32;
+#endif
+}
+
 // x > y ? a : b, without a branch: for what nobody can foresee.
 SAGI_INLINE uint32_t sagi_if_above(uint32_t x, uint32_t y, uint32_t a, uint32_t b) {
 #if defined(__x86_64__) && !defined(SAGI_SIMD_PLAIN)

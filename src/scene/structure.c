@@ -165,6 +165,9 @@ static void describe_units(sagi_snapshot *s) {
     if (!(s->world.quick.error < INFINITY)) s->world.quick_center = (sagi_d4){NAN, NAN, NAN, NAN};
     s->world.plain = s->world.tree.node_count > 0 && s->world.unbounded_count == 0 && s->world.solid == NULL;
     if (s->world.tree.node_count == 0) return;
+    s->world.places = (sagi_places){
+        {(uintptr_t)s->world.tree.nodes, (uintptr_t)s->world.tree.leaves - SAGI_BVH_LEAF * SAGI_BVH_UNIT},
+        {SAGI_BVH_STEP, SAGI_BVH_UNIT}};
     for (uint32_t signs = 0; signs < 8; signs++)
         for (uint32_t k = 0; k < 3; k++) {
             const bool falls = (signs >> k & 1) != 0;
