@@ -22,6 +22,7 @@
 #define FLIGHTS       16
 #define FLIGHT_STACK  200 // enough for 27 levels below a front; in deeper trees rays go alone
 #define ENOUGH_LEAVES 10
+#define UNDER         2 // places below a flight's stack, so that there are always two on top
 
 // A child, with the bits of the float where it begins above its number: such pairs are in the order of their
 // beginnings, as those are not negative.
@@ -77,6 +78,16 @@ SAGI_INLINE uint32_t take_queue(crowd *c, errand e) {
 
 SAGI_INLINE float place_begin(place p) { return float_of((uint32_t)(p >> 32)); }
 
+// Of the two places on top of a flight's stack, the nearer one comes to stand above.
+SAGI_INLINE void nearer_above(place *top) {
+    const place a = top[-1], b = top[-2];
+    top[-1] = sagi_if_above_long(a, b, b, a), top[-2] = sagi_if_above_long(a, b, a, b);
+}
+SAGI_INLINE place take(question asked, place **top) {
+    if (asked == CLOSEST) nearer_above(*top);
+    return *--*top;
+}
+
 // The last one that begins at the limit.
 SAGI_INLINE place last_place(float limit) { return (place)float_bits(limit) << 32 | UINT32_MAX; }
 
@@ -124,7 +135,7 @@ SAGI_INLINE bool set_out(question asked, bool plain, crowd *c, flight *f) {
     if (!come_to_tree(asked, plain, &f->here, &unused, &signs, &over)) return false;
     f->here.tree_ray.planes = sagi_planes[signs];
     f->limit = last_place(f->here.limit);
-    f->top = f->stack + 1, f->at = c->world->tree.nodes, f->next = 0;
+    f->top = f->stack + UNDER, f->at = c->world->tree.nodes, f->next = 0;
     if (asked == ANY || c->fronts == NULL) return true;
     const front_places *from = &c->fronts[f->ray / PACKET_RAYS];
     memcpy(f->top, from->places, sizeof from->places);
@@ -193,6 +204,7 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
         const uint32_t lane = asked == ANY ? (uint32_t)__builtin_ctz(mask | 0x80) : lanes[i] & 7;
         const uint32_t begin = asked == ANY ? float_bits(((const float *)&begins[i])[lane]) : lanes[i] & ~7U;
         place *top = f->top;
+        if (asked == CLOSEST) nearer_above(top);
         const place next = sagi_if_above_long(mask, 0, (place)begin << 32 | node->child[lane], top[-1]);
         sagi_write_pairs(mask & ~(1U << lane), begins[i], sagi_i8_load(node->child), top);
         f->top = top + __builtin_popcount(mask) - 1;
@@ -207,7 +219,7 @@ static __attribute__((noinline)) void other_leaf(question asked, crowd *c, fligh
         return;
     }
     set_limit(f);
-    send(c, f, *--f->top, false);
+    send(c, f, take(asked, &f->top), false);
 }
 
 SAGI_INLINE void all_leaves(question asked, crowd *c) {
@@ -223,7 +235,7 @@ SAGI_INLINE void all_leaves(question asked, crowd *c) {
         f->block = block, f->block_begin = place_begin(f->next);
         bool met =
             meet_triangles(block, &f->here.tree_ray, f->block_begin, f->here.limit, true, &f->here.answer);
-        send(c, f, *--f->top, met);
+        send(c, f, take(asked, &f->top), met);
     }
 }
 
@@ -246,7 +258,7 @@ SAGI_INLINE void all_look(question asked, crowd *c) {
     for (uint32_t i = 0; i < count; i++) {
         flight *f = c->waiting[AT_LOOK][i];
         place next = f->next, *top = f->top;
-        while (next > f->limit && next != NOTHING) next = *--top;
+        while (next > f->limit && next != NOTHING) next = take(asked, &top);
         f->top = top;
         if (next != NOTHING) {
             send(c, f, next, false);
@@ -296,12 +308,12 @@ SAGI_INLINE void all_ends(question asked, crowd *c) {
 
 SAGI_INLINE void trace_crowd(question asked, crowd *c) {
     c->begun = 0;
-    c->deep = c->world->tree.depth > (FLIGHT_STACK - 1 - FRONT) / (SAGI_BVH_WIDTH - 1);
+    c->deep = c->world->tree.depth > (FLIGHT_STACK - UNDER - FRONT) / (SAGI_BVH_WIDTH - 1);
     c->places = c->world->places;
     for (int i = 0; i < ERRAND_COUNT; i++) c->last[i] = c->waiting[i];
     c->plain = c->world->plain && !c->deep && c->doubtful == NULL && c->later == NULL;
     for (uint32_t i = 0; i < FLIGHTS; i++) {
-        c->flights[i].stack[0] = NOTHING;
+        for (int k = 0; k < UNDER; k++) c->flights[i].stack[k] = NOTHING;
         begin(asked, c, &c->flights[i]);
     }
     for (;;) {

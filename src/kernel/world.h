@@ -47,7 +47,8 @@ typedef struct sagi_places {
 static inline const void *sagi_place_at(const sagi_places *p, uint32_t child) {
     const size_t leaf = child >> 31;
     _Static_assert(SAGI_BVH_LEAF == 1U << 31, "a leaf is told by the highest bit");
-    return (const void *)(p->first[leaf] + child * p->unit[leaf]);
+    // Numbers of leaves begin at 2³¹, so first[1] is an address of nothing: the sum is one of whole numbers.
+    return (const void *)(p->first[leaf] + child * p->unit[leaf]); // NOLINT(performance-no-int-to-ptr)
 }
 
 struct sagi_world {
