@@ -393,8 +393,13 @@ SAGI_INLINE bool pop(question asked, float limit, stack *waits, waiting *next) {
     return true;
 }
 
-// A leaf by a function of its own: in one with the loop, the registers would not do for both. And what a
-// block of triangles that are all missed does not need, by further ones: so there is nothing to save here.
+// A leaf by a function of its own: in one with the loop, 16 registers would not do for both (32 do). And what
+// a block of triangles that are all missed does not need, by further ones: so there is nothing to save here.
+#ifdef SAGI_SIMD_AVX512
+#define LEAF SAGI_INLINE
+#else
+#define LEAF static __attribute__((noinline))
+#endif
 static __attribute__((noinline)) bool take_several(question asked, level *here,
                                                    const sagi_triangle_block *block,
                                                    const block_answer *answer, float begin) {
@@ -417,10 +422,10 @@ SAGI_INLINE bool leaf_of(question asked, level *here, const sagi_block *block, f
     return meet_triangles(triangles, &here->tree_ray, begin, here->limit, false, &here->answer) &&
            take_apart(asked, here, triangles, &here->answer, begin);
 }
-static __attribute__((noinline)) bool closest_leaf(level *here, const sagi_block *block, float begin) {
+LEAF bool closest_leaf(level *here, const sagi_block *block, float begin) {
     return leaf_of(CLOSEST, here, block, begin);
 }
-static __attribute__((noinline)) bool any_leaf(level *here, const sagi_block *block, float begin) {
+LEAF bool any_leaf(level *here, const sagi_block *block, float begin) {
     return leaf_of(ANY, here, block, begin);
 }
 static __attribute__((noinline)) bool all_leaf(level *here, const sagi_block *block, float begin) {
