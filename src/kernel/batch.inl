@@ -192,8 +192,7 @@ SAGI_INLINE void all_steps(question asked, crowd *c) {
         sagi_f8 begin = begins_of(0, &r), end = ends_of(0, &r, f->here.limit);
         SAGI_KERNEL_COUNT(nodes);
         begins[i] = begin;
-        sagi_i8 met, order = sagi_f8_in_order(begin, end, &met);
-        masks[i] = sagi_i8_mask(met);
+        const sagi_i8 order = sagi_f8_in_order(begin, end, &masks[i]);
         if (asked == CLOSEST) lanes[i] = sagi_i8_least(order); // else any child will do as the first
     }
     // The first is next, or what is on top of the stack; the others go on it.

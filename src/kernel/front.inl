@@ -162,11 +162,13 @@ SAGI_INLINE bool front_step(const sagi_bvh *tree, bundle *b) {
     const slabs r = slabs_of(&b->walker, node);
     const sagi_f8 begin = begins_of(0, &r), end = ends_of(0, &r, b->limit);
     const sagi_i8 child = sagi_i8_load(node->child);
-    sagi_i8 met, order = sagi_f8_in_order(begin, end, &met);
-    const uint32_t mask = sagi_i8_mask(met), lane = sagi_i8_least(order) & 7;
+    uint32_t mask;
+    const sagi_i8 order = sagi_f8_in_order(begin, end, &mask);
+    const uint32_t lane = sagi_i8_least(order) & 7;
     const uint32_t more = (uint32_t)__builtin_popcount(mask);
     SAGI_KERNEL_COUNT(packet_nodes);
-    const bool stays = (more > FRONT - last) | ((sagi_i8_mask(child & met) & mask) != 0);
+    const bool leaf_met = (sagi_i8_mask(sagi_i8_above(sagi_i8_fill(0), child)) & mask) != 0;
+    const bool stays = (more > FRONT - last) | leaf_met;
     uint64_t *top = b->places + b->count;
     // The nearest one takes its place, or what is last in the list; the others go there.
     const uint64_t old = b->places[at], nearest = (uint64_t)float_bits(begin[lane]) << 32 | node->child[lane];

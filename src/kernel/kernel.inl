@@ -297,14 +297,28 @@ SAGI_INLINE sagi_f8 way_out(size_t node, const slabs *r, int k) {
     return sagi_f8_fms(sagi_f8_load(r->planes.far_plane[k] + node), r->far_scale[k], r->far_back[k]);
 }
 
-// Where it comes to each child, and where it leaves it or passes `limit`.
+// The later of two times of which one is neither negative nor −0, and the sooner of two of any sign, by their
+// bits as whole numbers: those of negative times are below all others, and not negative ones are in order. So
+// it is known whether the sooner one is negative, if not by how much, which is all that is asked of an exit:
+// the child is missed then. As it is where the exit is −0, rightly: a true exit at 0 is overstated (ray.h)
+// and comes out positive. This is the chain of dependent instructions that a walk waits for, and whole
+// numbers take half the time.
+SAGI_INLINE sagi_f8 later_of(sagi_f8 a, sagi_f8 b) {
+    return (sagi_f8)sagi_i8_max(sagi_f8_bits(a), sagi_f8_bits(b));
+}
+SAGI_INLINE sagi_f8 sooner_of(sagi_f8 a, sagi_f8 b) {
+    return (sagi_f8)sagi_i8_min(sagi_f8_bits(a), sagi_f8_bits(b));
+}
+
+// Where it comes to each child, and where it leaves it or passes `limit`, or anything negative where it has
+// missed it. (Of two entries that are both negative it is not the later one that is handed on, and no matter:
+// r->from is last.)
 SAGI_INLINE sagi_f8 begins_of(size_t node, const slabs *r) {
-    return sagi_f8_max(sagi_f8_max(entry(node, r, 0), entry(node, r, 1)),
-                       sagi_f8_max(entry(node, r, 2), r->from));
+    return later_of(later_of(entry(node, r, 0), entry(node, r, 1)), later_of(entry(node, r, 2), r->from));
 }
 SAGI_INLINE sagi_f8 ends_of(size_t node, const slabs *r, float limit) {
-    return sagi_f8_min(sagi_f8_min(way_out(node, r, 0), way_out(node, r, 1)),
-                       sagi_f8_min(way_out(node, r, 2), sagi_f8_fill(limit)));
+    return sooner_of(sooner_of(way_out(node, r, 0), way_out(node, r, 1)),
+                     sooner_of(way_out(node, r, 2), sagi_f8_fill(limit)));
 }
 
 // One step: the node's children that the ray meets before `limit`. One of them, for CLOSEST the nearest, is
@@ -326,11 +340,11 @@ SAGI_INLINE bool step(question asked, const sagi_bvh *tree, const sagi_places *p
         float value;
     } least;
     const sagi_i8 child = sagi_i8_load(node->child);
-    sagi_i8 met, order = sagi_f8_in_order(begin, end, &met);
-    uint32_t mask = sagi_i8_mask(met), lane;
+    uint32_t mask, lane;
+    const sagi_i8 order = sagi_f8_in_order(begin, end, &mask);
     if (mask == 0) return false;
     if (asked == CLOSEST) {
-        least.bits = sagi_i8_least_from(order, child, &next->child);
+        least.bits = sagi_i8_least_from(order, node->child, &next->child);
         lane = least.bits & 7;
         least.bits &= ~7U;
         next->begin = least.value;

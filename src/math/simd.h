@@ -163,6 +163,23 @@ SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return (sagi_f8)_mm256_m
 // (Lanes, on AVX-512, too: a mask is two cycles longer on its way into other lanes.)
 SAGI_INLINE sagi_i8 sagi_f8_less(sagi_f8 a, sagi_f8 b) { return (sagi_i8)_mm256_cmp_ps(a, b, _CMP_LT_OQ); }
 SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) { return (sagi_i8)_mm256_cmp_ps(a, b, _CMP_LE_OQ); }
+// The same of whole numbers, one cycle where floats take two. −1 where a > b, else 0. (Written as
+// instructions: GCC makes masks of comparisons, too, if it may.)
+SAGI_INLINE sagi_i8 sagi_i8_min(sagi_i8 a, sagi_i8 b) {
+    return (sagi_i8)_mm256_min_epi32((__m256i)a, (__m256i)b);
+}
+SAGI_INLINE sagi_i8 sagi_i8_max(sagi_i8 a, sagi_i8 b) {
+    return (sagi_i8)_mm256_max_epi32((__m256i)a, (__m256i)b);
+}
+SAGI_INLINE sagi_i8 sagi_i8_above(sagi_i8 a, sagi_i8 b) {
+#ifdef SAGI_SIMD_AVX512
+    sagi_i8 above;
+    __asm__("vpcmpgtd %2, %1, %0" : "=x"(above) : "x"(a), "x"(b));
+    return above;
+#else
+    return (sagi_i8)_mm256_cmpgt_epi32((__m256i)a, (__m256i)b);
+#endif
+}
 // a b − p, rounded once: for p the rounded product, the product's error, and exact.
 SAGI_INLINE sagi_d4 sagi_d4_product_error(sagi_d4 a, sagi_d4 b, sagi_d4 p) {
     return (sagi_d4)_mm256_fmsub_pd(a, b, p);
@@ -256,12 +273,18 @@ SAGI_INLINE __m128i sagi_i8_least_lane(sagi_i8 a) {
     return _mm_min_epu32(m, _mm_shuffle_epi32(m, 0xb1));
 }
 SAGI_INLINE uint32_t sagi_i8_least(sagi_i8 a) { return (uint32_t)_mm_cvtsi128_si32(sagi_i8_least_lane(a)); }
-// The same, and the number in that lane of `from` which the last three bits of it say. (From a register: by
-// way of memory it comes two cycles later.)
-SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, sagi_i8 from, uint32_t *chosen) {
-    __m128i m = sagi_i8_least_lane(a);
-    __m256i all = _mm256_permutevar8x32_epi32((__m256i)from, _mm256_castsi128_si256(m));
-    *chosen = (uint32_t)_mm_cvtsi128_si32(_mm256_castsi256_si128(all));
+// The same, and that one of eight numbers, aligned to 32 bytes, which its last three bits say. (From
+// registers: by way of memory it comes two cycles later.)
+SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, const uint32_t from[8], uint32_t *chosen) {
+    const __m128i m = sagi_i8_least_lane(a);
+#ifdef SAGI_SIMD_AVX512
+    const __m128i *half = (const __m128i *)(const void *)from;
+    *chosen = (uint32_t)_mm_cvtsi128_si32(_mm_permutex2var_epi32(half[0], m, half[1]));
+#else
+    const __m256i all = _mm256_load_si256((const __m256i *)(const void *)from);
+    *chosen = (uint32_t)_mm_cvtsi128_si32(
+        _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(all, _mm256_castsi128_si256(m))));
+#endif
     return (uint32_t)_mm_cvtsi128_si32(m);
 }
 
@@ -332,6 +355,9 @@ SAGI_INLINE uint32_t sagi_d4_signs(sagi_d4 a) {
 #else
 SAGI_INLINE sagi_i8 sagi_f8_less(sagi_f8 a, sagi_f8 b) { return a < b; }
 SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) { return a <= b; }
+SAGI_INLINE sagi_i8 sagi_i8_above(sagi_i8 a, sagi_i8 b) { return a > b; }
+SAGI_INLINE sagi_i8 sagi_i8_min(sagi_i8 a, sagi_i8 b) { return ((a < b) & a) | (~(a < b) & b); }
+SAGI_INLINE sagi_i8 sagi_i8_max(sagi_i8 a, sagi_i8 b) { return ((a > b) & a) | (~(a > b) & b); }
 SAGI_INLINE sagi_f8 sagi_f8_min(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a < b, a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_max(sagi_f8 a, sagi_f8 b) { return sagi_f8_select(a > b, a, b); }
 SAGI_INLINE sagi_f8 sagi_f8_sqrt(sagi_f8 a) {
@@ -374,20 +400,27 @@ SAGI_INLINE void sagi_f4_turn8(const sagi_f4 a[8], sagi_f8 *x, sagi_f8 *y, sagi_
 }
 
 #ifndef SAGI_SIMD_AVX2
-SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, sagi_i8 from, uint32_t *chosen) {
+SAGI_INLINE uint32_t sagi_i8_least_from(sagi_i8 a, const uint32_t from[8], uint32_t *chosen) {
     const uint32_t least = sagi_i8_least(a);
-    *chosen = (uint32_t)from[least & 7];
+    *chosen = from[least & 7];
     return least;
 }
 #endif
 
-// What puts the lanes where a ≤ b in the order of a, which is not negative there: a, as a whole number
-// without a sign, with the lane's number in place of its last three bits; in other lanes more than that of
-// any. *met: all bits set where a ≤ b, else none.
-SAGI_INLINE sagi_i8 sagi_f8_in_order(sagi_f8 a, sagi_f8 b, sagi_i8 *met) {
+// What puts the lanes where a ≤ b in the order of a: a, as a whole number without a sign, with the lane's
+// number in place of its last three bits; in other lanes more than that of any. *met: the lanes where a ≤ b.
+//
+// a is neither negative nor −0, so that its bits are in its order, and b's, which are those of a negative
+// whole number where b has a sign, are below them: for b = −0, which is as good as negative here.
+SAGI_INLINE sagi_i8 sagi_f8_in_order(sagi_f8 a, sagi_f8 b, uint32_t *met) {
     const sagi_i8 number = {0, 1, 2, 3, 4, 5, 6, 7};
-    *met = sagi_f8_at_most(a, b);
-    return (sagi_f8_bits(a) & ~7) | number | ~*met;
+    const sagi_i8 missed = sagi_i8_above(sagi_f8_bits(a), sagi_f8_bits(b));
+    sagi_i8 order = (sagi_f8_bits(a) & ~7) | number;
+    *met = sagi_i8_mask(missed) ^ 0xFF;
+#ifdef SAGI_SIMD_AVX512
+    __asm__("" : "+x"(order)); // or GCC would have `number`, too, wait for the comparison
+#endif
+    return order | missed;
 }
 
 // Writes the lanes in the mask of two vectors, in order, one after the other to p and q, each of which must

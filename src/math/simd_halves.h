@@ -12,6 +12,15 @@ SAGI_INLINE sagi_half sagi_half_max(sagi_half a, sagi_half b) { return _mm_max_p
 SAGI_INLINE sagi_half sagi_half_sqrt(sagi_half a) { return _mm_sqrt_ps(a); }
 SAGI_INLINE sagi_half sagi_half_less(sagi_half a, sagi_half b) { return _mm_cmplt_ps(a, b); }
 SAGI_INLINE sagi_half sagi_half_at_most(sagi_half a, sagi_half b) { return _mm_cmple_ps(a, b); }
+SAGI_INLINE sagi_half sagi_half_bits_min(sagi_half a, sagi_half b) {
+    return _mm_castsi128_ps(_mm_min_epi32(_mm_castps_si128(a), _mm_castps_si128(b)));
+}
+SAGI_INLINE sagi_half sagi_half_bits_max(sagi_half a, sagi_half b) {
+    return _mm_castsi128_ps(_mm_max_epi32(_mm_castps_si128(a), _mm_castps_si128(b)));
+}
+SAGI_INLINE sagi_half sagi_half_bits_above(sagi_half a, sagi_half b) {
+    return _mm_castsi128_ps(_mm_cmpgt_epi32(_mm_castps_si128(a), _mm_castps_si128(b)));
+}
 SAGI_INLINE uint32_t sagi_half_mask(sagi_half a) { return (uint32_t)_mm_movemask_ps(a); }
 SAGI_INLINE uint32_t sagi_half_least(sagi_half a, sagi_half b) {
     __m128i m = _mm_min_epu32(_mm_castps_si128(a), _mm_castps_si128(b));
@@ -33,6 +42,15 @@ SAGI_INLINE sagi_half sagi_half_less(sagi_half a, sagi_half b) {
 }
 SAGI_INLINE sagi_half sagi_half_at_most(sagi_half a, sagi_half b) {
     return vreinterpretq_f32_u32(vcleq_f32(a, b));
+}
+SAGI_INLINE sagi_half sagi_half_bits_min(sagi_half a, sagi_half b) {
+    return vreinterpretq_f32_s32(vminq_s32(vreinterpretq_s32_f32(a), vreinterpretq_s32_f32(b)));
+}
+SAGI_INLINE sagi_half sagi_half_bits_max(sagi_half a, sagi_half b) {
+    return vreinterpretq_f32_s32(vmaxq_s32(vreinterpretq_s32_f32(a), vreinterpretq_s32_f32(b)));
+}
+SAGI_INLINE sagi_half sagi_half_bits_above(sagi_half a, sagi_half b) {
+    return vreinterpretq_f32_u32(vcgtq_s32(vreinterpretq_s32_f32(a), vreinterpretq_s32_f32(b)));
 }
 SAGI_INLINE uint32_t sagi_half_mask(sagi_half a) {
     const uint32_t bits[4] = {1, 2, 4, 8};
@@ -75,6 +93,21 @@ SAGI_INLINE sagi_i8 sagi_f8_at_most(sagi_f8 a, sagi_f8 b) {
     sagi_halves x = {a}, y = {b};
     return (sagi_i8)sagi_f8_of(sagi_half_at_most(x.half[0], y.half[0]),
                                sagi_half_at_most(x.half[1], y.half[1]));
+}
+SAGI_INLINE sagi_i8 sagi_i8_min(sagi_i8 a, sagi_i8 b) {
+    sagi_halves x = {(sagi_f8)a}, y = {(sagi_f8)b};
+    return (sagi_i8)sagi_f8_of(sagi_half_bits_min(x.half[0], y.half[0]),
+                               sagi_half_bits_min(x.half[1], y.half[1]));
+}
+SAGI_INLINE sagi_i8 sagi_i8_max(sagi_i8 a, sagi_i8 b) {
+    sagi_halves x = {(sagi_f8)a}, y = {(sagi_f8)b};
+    return (sagi_i8)sagi_f8_of(sagi_half_bits_max(x.half[0], y.half[0]),
+                               sagi_half_bits_max(x.half[1], y.half[1]));
+}
+SAGI_INLINE sagi_i8 sagi_i8_above(sagi_i8 a, sagi_i8 b) {
+    sagi_halves x = {(sagi_f8)a}, y = {(sagi_f8)b};
+    return (sagi_i8)sagi_f8_of(sagi_half_bits_above(x.half[0], y.half[0]),
+                               sagi_half_bits_above(x.half[1], y.half[1]));
 }
 SAGI_INLINE uint32_t sagi_i8_mask(sagi_i8 a) {
     sagi_halves x = {(sagi_f8)a};
