@@ -40,19 +40,19 @@ typedef struct sagi_rest_constants {
 #define SAGI_REST_CONSTANTS                                                                                  \
     { (1 << SAGI_REST_BITS) - 1, SAGI_REST_WHOLE_BITS, -(SAGI_REST_WHOLE + SAGI_REST_MIDDLE) }
 
-typedef uint64_t sagi_rest4 __attribute__((vector_size(32)));
-typedef uint64_t sagi_rest2 __attribute__((vector_size(16)));
+typedef int64_t sagi_rest2 __attribute__((vector_size(16)));
 
 // A corner of which `four` holds each coordinate's numbers in four lanes, the one asked for `up` bits below
 // the upper end.
-SAGI_INLINE sagi_d4 sagi_exact_corner(const sagi_rest_constants *k, const sagi_fine_grid *grid,
-                                      sagi_rest4 four, uint64_t up, uint64_t rest, uint64_t i) {
-    const sagi_rest4 shift = {SAGI_REST_SHIFT(i, 0), SAGI_REST_SHIFT(i, 1), SAGI_REST_SHIFT(i, 2), 0};
+SAGI_INLINE sagi_d4 sagi_exact_corner(const sagi_rest_constants *k, const sagi_fine_grid *grid, sagi_l4 four,
+                                      uint64_t up, uint64_t rest, uint64_t i) {
+    typedef uint64_t whole __attribute__((vector_size(32)));
+    const sagi_l4 rests =
+        sagi_l4_rights(rest, SAGI_REST_SHIFT(i, 0), SAGI_REST_SHIFT(i, 1), SAGI_REST_SHIFT(i, 2), 0);
     // (The last seven bits of `coarse` are a neighbour's.)
-    const sagi_rest4 coarse = four << up >> (48 - SAGI_REST_BITS);
-    const sagi_rest4 rests = {rest, rest, rest, rest};
-    const sagi_rest4 fine = ((rests >> shift) & k->mask) | (coarse & ~k->mask);
-    const sagi_d4 n = (sagi_d4)(fine | k->whole) + sagi_d4_fill(k->minus_whole);
+    const sagi_l4 coarse = (sagi_l4)((whole)sagi_l4_left(four, up) >> (48 - SAGI_REST_BITS));
+    const sagi_l4 mask = sagi_l4_fill((int64_t)k->mask), fine = (rests & mask) | (coarse & ~mask);
+    const sagi_d4 n = (sagi_d4)(fine | sagi_l4_fill((int64_t)k->whole)) + sagi_d4_fill(k->minus_whole);
     return sagi_d4_fma(sagi_d4_fma(n, sagi_d4_fill(grid->step), grid->zero), sagi_d4_fill(grid->unit),
                        grid->origin);
 }
@@ -72,9 +72,9 @@ SAGI_INLINE void sagi_exact_corners(const sagi_rest_constants *k, const sagi_tri
     memcpy(&x, pair, 16), memcpy(&y, pair + sizeof block->pair[0], 16);
     memcpy(&z, pair + 2 * sizeof block->pair[0], 16), memcpy(&xy, pair + 3 * sizeof block->pair[0], 16);
     memcpy(&last, (const char *)block->last + 2 * (lane & 4), 16); // (what follows means nothing)
-    corner[0] = sagi_exact_corner(k, grid, (sagi_rest4){x[0], y[0], z[0], z[1]}, up, rest, 0);
-    corner[1] = sagi_exact_corner(k, grid, (sagi_rest4){x[1], y[1], z[1], z[1]}, up, rest, 1);
-    corner[2] = sagi_exact_corner(k, grid, (sagi_rest4){xy[0], xy[1], last[0], last[1]}, up, rest, 2);
+    corner[0] = sagi_exact_corner(k, grid, sagi_l4_of(x[0], y[0], z[0], z[1]), up, rest, 0);
+    corner[1] = sagi_exact_corner(k, grid, sagi_l4_of(x[1], y[1], z[1], z[1]), up, rest, 1);
+    corner[2] = sagi_exact_corner(k, grid, sagi_l4_of(xy[0], xy[1], last[0], last[1]), up, rest, 2);
 }
 
 #endif

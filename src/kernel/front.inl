@@ -99,8 +99,9 @@ SAGI_INLINE bool bundle_make(bundle *b, const sagi_world *world, const sag_ray *
     double largest = largest_of_three(size), spread = 0;
     sagi_d4 q = (sagi_d4_load(&ray->origin) - world->center) * sagi_d4_fill(world->scale);
     sagi_d4 small = sagi_d4_fill(largest * 0x1p-38), wide = sagi_d4_fill(largest * 0x1p-4);
-    sagi_l4 usual = ((lo >= small) | (hi <= -small)) & (hi - lo <= wide) & (sum == sum) &
-                    (sagi_d4_abs(q) < sagi_d4_fill(64));
+    const sagi_l4 usual = (sagi_d4_at_most(small, lo) | sagi_d4_at_most(hi, -small)) &
+                          sagi_d4_at_most(hi - lo, wide) & sagi_d4_at_most(sum, sum) /* no NaN */ &
+                          sagi_d4_below(sagi_d4_abs(q), 64);
     if (world->has_spread)
         spread = (greater(greater(fabs(ray->origin.x), fabs(ray->origin.y)), fabs(ray->origin.z)) *
                       world->spread_relative +

@@ -253,29 +253,29 @@ SAGI_INLINE stack empty_stack(float begin[STACK_PLACES], uint32_t child[STACK_PL
 // What a step needs of the ray, each number in all lanes: with enough registers it stays there from step to
 // step.
 typedef struct slabs {
-    sagi_f8 near_scale[3], near_back[3], far_scale[3], far_back[3], from;
+    sagi_same near_scale[3], near_back[3], far_scale[3], far_back[3], from;
     sagi_plane_row planes; // of the node that stands first
 } slabs;
 
 SAGI_INLINE slabs slabs_of(const sagi_float_ray *r, const void *first) {
     slabs s;
-    sagi_f8_fill3(&r->near_scale, s.near_scale), sagi_f8_fill3(&r->near_back, s.near_back);
-    sagi_f8_fill3(&r->far_scale, s.far_scale), sagi_f8_fill3(&r->far_back, s.far_back);
+    sagi_same_fill3(&r->near_scale, s.near_scale), sagi_same_fill3(&r->near_back, s.near_back);
+    sagi_same_fill3(&r->far_scale, s.far_scale), sagi_same_fill3(&r->far_back, s.far_back);
     for (int k = 0; k < 3; k++)
         s.planes.near_plane[k] = (const char *)first + r->planes.near_at[k],
         s.planes.far_plane[k] = (const char *)first + r->planes.far_at[k];
-    s.from = sagi_f8_fill(r->first_low);
+    s.from = sagi_same_fill(r->first_low);
     return s;
 }
 // The same of a ray of which the planes are told apart from it.
 SAGI_INLINE slabs slabs_at(const sagi_float_ray *r, const sagi_plane_row *planes) {
     slabs s;
     for (int k = 0; k < 3; k++) {
-        s.near_scale[k] = sagi_f8_fill(r->near_scale[k]), s.near_back[k] = sagi_f8_fill(r->near_back[k]);
-        s.far_scale[k] = sagi_f8_fill(r->far_scale[k]), s.far_back[k] = sagi_f8_fill(r->far_back[k]);
+        s.near_scale[k] = sagi_same_fill(r->near_scale[k]), s.near_back[k] = sagi_same_fill(r->near_back[k]);
+        s.far_scale[k] = sagi_same_fill(r->far_scale[k]), s.far_back[k] = sagi_same_fill(r->far_back[k]);
     }
     s.planes = *planes;
-    s.from = sagi_f8_fill(r->first_low);
+    s.from = sagi_same_fill(r->first_low);
     return s;
 }
 // Of a ray that is still in registers.
@@ -284,17 +284,19 @@ SAGI_INLINE slabs slabs_now(const sagi_ray_slabs *r, const sagi_plane_row *plane
     sagi_f4s_spread3(r->near_scale, s.near_scale), sagi_f4s_spread3(r->near_back, s.near_back);
     sagi_f4s_spread3(r->far_scale, s.far_scale), sagi_f4s_spread3(r->far_back, s.far_back);
     s.planes = *planes;
-    s.from = sagi_f8_fill(r->from);
+    s.from = sagi_same_fill(r->from);
     return s;
 }
 
 // Where the ray enters and leaves each child's slab of one coordinate, of the node so many bytes after the
 // first one.
 SAGI_INLINE sagi_f8 entry(size_t node, const slabs *r, int k) {
-    return sagi_f8_fms(sagi_f8_load(r->planes.near_plane[k] + node), r->near_scale[k], r->near_back[k]);
+    return sagi_f8_fms(sagi_f8_load(r->planes.near_plane[k] + node), sagi_f8_of_same(r->near_scale[k]),
+                       sagi_f8_of_same(r->near_back[k]));
 }
 SAGI_INLINE sagi_f8 way_out(size_t node, const slabs *r, int k) {
-    return sagi_f8_fms(sagi_f8_load(r->planes.far_plane[k] + node), r->far_scale[k], r->far_back[k]);
+    return sagi_f8_fms(sagi_f8_load(r->planes.far_plane[k] + node), sagi_f8_of_same(r->far_scale[k]),
+                       sagi_f8_of_same(r->far_back[k]));
 }
 
 // The later of two times of which one is neither negative nor −0, and the sooner of two of any sign, by their
@@ -314,7 +316,7 @@ SAGI_INLINE sagi_f8 sooner_of(sagi_f8 a, sagi_f8 b) {
 // missed it. (Of two entries that are both negative it is not the later one that is handed on, and no matter:
 // r->from is last.)
 SAGI_INLINE sagi_f8 begins_of(size_t node, const slabs *r) {
-    return later_of(later_of(entry(node, r, 0), entry(node, r, 1)), later_of(entry(node, r, 2), r->from));
+    return later_of(later_of(entry(node, r, 0), entry(node, r, 1)), later_of(entry(node, r, 2), sagi_f8_of_same(r->from)));
 }
 SAGI_INLINE sagi_f8 ends_of(size_t node, const slabs *r, float limit) {
     return sooner_of(sooner_of(way_out(node, r, 0), way_out(node, r, 1)),

@@ -110,13 +110,13 @@ SAGI_INLINE void packet_take(packet *p, size_t group, uint32_t met, sagi_i8 cert
     if (doubtful != 0) leave_undecided(p, group, doubtful, sagi_i8_mask(certain), block, lane);
     int32_t number = (int32_t)(8 * p->block_count + lane);
     p->earliest[group] = sagi_f8_select(nearer, earliest, p->earliest[group]);
-    p->nearest[group] = (nearer & number) | (~nearer & p->nearest[group]);
+    p->nearest[group] = (nearer & sagi_i8_fill(number)) | (~nearer & p->nearest[group]);
 }
 
 // What only single rays can be asked.
 static __attribute__((noinline)) void give_up_from(packet *p, float begin) {
     for (size_t i = 0; i < PACKET_GROUPS; i++)
-        leave_undecided(p, i, sagi_i8_mask(p->limit[i] >= begin), 0, NULL, 0);
+        leave_undecided(p, i, sagi_i8_mask(sagi_f8_at_most(sagi_f8_fill(begin), p->limit[i])), 0, NULL, 0);
 }
 
 #include "kernel/packet_triangles.inl"
@@ -253,7 +253,7 @@ static __attribute__((noinline)) uint32_t packet_trace(const bundle *b, const sa
     if (world->unbounded_count != 0) packet_references(&p, world->unbounded, world->unbounded_count, 0);
     packet_walk(&p, &b->walker);
     uint32_t of[2] = {0, 0}, missing = 0; // by the kind of what they met
-    for (uint32_t i = 0; i < PACKET_GROUPS; i++) missing |= sagi_i8_mask(p.nearest[i] < 0) << 8 * i;
+    for (uint32_t i = 0; i < PACKET_GROUPS; i++) missing |= sagi_i8_mask(sagi_i8_above(sagi_i8_fill(0), p.nearest[i])) << 8 * i;
     missing &= ~p.undecided;
     for (uint32_t left = PACKET_ALL & ~(p.undecided | missing); left != 0; left &= left - 1) {
         const uint32_t r = (uint32_t)__builtin_ctz(left);

@@ -55,12 +55,6 @@ static inline uint32_t rays_left(const packet *p, float begin) {
     return rays;
 }
 
-// Bits to lanes.
-SAGI_INLINE sagi_l4 lanes_of(uint32_t bits) {
-    const sagi_l4 bit = {1, 2, 4, 8};
-    return ((sagi_l4){bits, bits, bits, bits} & bit) == bit;
-}
-
 // The directions of four rays in the space of a geometry, as sagi_ray_transform has them.
 SAGI_INLINE void directions_of(const packet *p, const sagi_place *place, size_t four, sagi_d4 d[3]) {
     const sagi_d4 *way = p->way[four];
@@ -70,7 +64,7 @@ SAGI_INLINE void directions_of(const packet *p, const sagi_place *place, size_t 
             continue;
         }
         const double *row = place->to_object.m[k];
-        d[k] = row[0] * way[0] + row[1] * way[1] + row[2] * way[2];
+        d[k] = sagi_d4_fill(row[0]) * way[0] + sagi_d4_fill(row[1]) * way[1] + sagi_d4_fill(row[2]) * way[2];
     }
 }
 
@@ -127,9 +121,9 @@ static __attribute__((noinline)) uint32_t packet_ask_four(packet *p, uint32_t ge
         directions_of(p, item->place, i, four.d);
         four.t_max = p->t_max[i];
         if (torus)
-            sagi_torus_first4(&torus_from, &four, lanes_of(here));
+            sagi_torus_first4(&torus_from, &four, sagi_l4_from_mask(here));
         else
-            sagi_outline_first4(&quadric_from, &four, lanes_of(here));
+            sagi_outline_first4(&quadric_from, &four, sagi_l4_from_mask(here));
         alone |= take_four(p, i, geometry, &four);
     }
     return alone;

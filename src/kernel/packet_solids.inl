@@ -39,6 +39,10 @@ typedef struct packet_span { // bounds of where they enter and leave a part
 #define DENTED_G 0x1p-13F
 #define DENTED_T 0x1p-11F
 
+SAGI_INLINE f8x3 fill_part(const float a[3]) {
+    return (f8x3){sagi_f8_fill(a[0]), sagi_f8_fill(a[1]), sagi_f8_fill(a[2])};
+}
+
 SAGI_INLINE packet_span span_of_box(const packet_line *line, const sagi_dented_part *part) {
     const sagi_f8 *b = &line->b.x, *v = &line->v.x;
     packet_span span = {{sagi_f8_fill(-INFINITY), sagi_f8_fill(-INFINITY)},
@@ -46,7 +50,8 @@ SAGI_INLINE packet_span span_of_box(const packet_line *line, const sagi_dented_p
                         {0}};
     for (int k = 0; k < 3; k++) {
         const sagi_f8 inverse = 1 / v[k], size = sagi_f8_abs(inverse);
-        const sagi_f8 x = (part->lo[k] - b[k]) * inverse, y = (part->hi[k] - b[k]) * inverse;
+        const sagi_f8 x = (sagi_f8_fill(part->lo[k]) - b[k]) * inverse,
+                      y = (sagi_f8_fill(part->hi[k]) - b[k]) * inverse;
         const sagi_f8 near = sagi_f8_min(x, y), far = sagi_f8_max(x, y);
         const sagi_f8 e = sagi_f8_fma(sagi_f8_abs(near), sagi_f8_fill(0x1p-20F), sagi_f8_fill(DENTED_G)) *
                           size,
@@ -62,15 +67,16 @@ SAGI_INLINE packet_span span_of_box(const packet_line *line, const sagi_dented_p
 SAGI_INLINE packet_span span_of_ball(const packet_line *line, const sagi_dented_part *part) {
     const f8x3 v = line->v, b = line->b;
     const float r = part->hi[0];
-    const f8x3 l = {part->lo[0] - b.x, part->lo[1] - b.y, part->lo[2] - b.z};
+    const f8x3 lo = fill_part(part->lo), l = sub8(&lo, &b);
     const sagi_f8 time = dot8(&l, &v) * line->inverse, none = sagi_f8_fill(0);
     const f8x3 w = {sagi_f8_fma(time, -v.x, l.x), sagi_f8_fma(time, -v.y, l.y), sagi_f8_fma(time, -v.z, l.z)};
-    const sagi_f8 s = r * r - dot8(&w, &w);
-    const float doubt = DENTED_G * (2 * r + 3 * DENTED_G + 0.125F);
+    const sagi_f8 s = sagi_f8_fill(r * r) - dot8(&w, &w);
+    const float unsure = DENTED_G * (2 * r + 3 * DENTED_G + 0.125F);
+    const sagi_f8 doubt = sagi_f8_fill(unsure);
     const sagi_f8 most = sagi_f8_sqrt(sagi_f8_max(s + doubt, none) * line->inverse) + DENTED_T;
     const sagi_f8 least = sagi_f8_sqrt(sagi_f8_max(s - doubt, none) * line->inverse) - DENTED_T;
-    const sagi_i8 missed = sagi_f8_below(s, -doubt);
-    packet_span span = {{time - most, time - least}, {time + least, time + most}, sagi_f8_below(s, doubt)};
+    const sagi_i8 missed = sagi_f8_less(s, -doubt);
+    packet_span span = {{time - most, time - least}, {time + least, time + most}, sagi_f8_less(s, doubt)};
     span.in[0] = sagi_f8_select(missed, sagi_f8_fill(INFINITY), span.in[0]); // later than any way out
     return span;
 }
@@ -83,8 +89,9 @@ SAGI_INLINE packet_span span_of_part(const packet_line *line, const sagi_dented_
 SAGI_INLINE void place_in_part(const f8x3 *x, sagi_f8 room, const sagi_dented_part *part, sagi_i8 *in,
                                sagi_i8 *out) {
     if (part->is_ball) {
-        const f8x3 l = {part->lo[0] - x->x, part->lo[1] - x->y, part->lo[2] - x->z};
-        const sagi_f8 q = dot8(&l, &l), outer = part->hi[0] + room, inner = part->hi[0] - room;
+        const f8x3 lo = fill_part(part->lo), l = sub8(&lo, x);
+        const sagi_f8 q = dot8(&l, &l), radius = sagi_f8_fill(part->hi[0]),
+                      outer = radius + room, inner = radius - room;
         *out = sagi_f8_less(outer * outer, q);
         *in = sagi_f8_less(q, inner * inner) & sagi_f8_above(inner, 0);
         return;
@@ -92,7 +99,7 @@ SAGI_INLINE void place_in_part(const f8x3 *x, sagi_f8 room, const sagi_dented_pa
     sagi_f8 depth = sagi_f8_fill(INFINITY);
     const sagi_f8 *at = &x->x;
     for (int k = 0; k < 3; k++)
-        depth = sagi_f8_min(depth, sagi_f8_min(at[k] - part->lo[k], part->hi[k] - at[k]));
+        depth = sagi_f8_min(depth, sagi_f8_min(at[k] - sagi_f8_fill(part->lo[k]), sagi_f8_fill(part->hi[k]) - at[k]));
     *out = sagi_f8_less(depth, -room), *in = sagi_f8_less(room, depth);
 }
 
@@ -111,11 +118,11 @@ SAGI_INLINE packet_dent meet_dented(const sagi_dented *solid, const packet_line 
     sagi_f8 out[2] = {infinite, infinite};
     sagi_i8 doubt = line->odd;
     d.in[0] = d.in[1] = -infinite;
-    d.owner = (sagi_i8){-1, -1, -1, -1, -1, -1, -1, -1};
+    d.owner = sagi_i8_fill(-1);
     for (uint32_t i = 0; i < solid->convex_count; i++) {
         const packet_span s = span_of_part(line, &solid->parts[i]);
         const sagi_i8 after = sagi_f8_less(d.in[1], s.in[0]), before = sagi_f8_less(s.in[1], d.in[0]);
-        d.owner = (after & (int32_t)i) | (~after & (d.owner | ~before));
+        d.owner = (after & sagi_i8_fill((int32_t)i)) | (~after & (d.owner | ~before));
         d.in[0] = sagi_f8_max(d.in[0], s.in[0]), d.in[1] = sagi_f8_max(d.in[1], s.in[1]);
         out[0] = sagi_f8_min(out[0], s.out[0]), out[1] = sagi_f8_min(out[1], s.out[1]);
         doubt |= s.doubt;
@@ -123,7 +130,7 @@ SAGI_INLINE packet_dent meet_dented(const sagi_dented *solid, const packet_line 
     sagi_i8 missed =
         sagi_f8_less(out[1], d.in[0]) | sagi_f8_below(out[1], first - DENTED_T) | sagi_f8_less(last, d.in[0]);
     missed &= ~line->odd;
-    doubt |= (d.owner < 0) | ~sagi_f8_above(d.in[0], first + DENTED_T);
+    doubt |= sagi_i8_above(sagi_i8_fill(0), d.owner) | ~sagi_f8_above(d.in[0], first + DENTED_T);
     sagi_i8 moved = ~(missed | doubt); // since when they were last asked for dents
     for (int pass = 0; pass < 4 && sagi_i8_mask(moved) != 0; pass++) {
         const sagi_f8 middle = (d.in[0] + d.in[1]) * 0.5F;
@@ -134,12 +141,12 @@ SAGI_INLINE packet_dent meet_dented(const sagi_dented *solid, const packet_line 
         for (uint32_t i = solid->convex_count; i < solid->count; i++) {
             sagi_i8 inside, outside;
             place_in_part(&x, room, &solid->parts[i], &inside, &outside);
-            const sagi_i8 near = moved & ~outside & ~again & (d.owner != (int32_t)i);
+            const sagi_i8 near = moved & ~outside & ~again & ~sagi_i8_equal(d.owner, sagi_i8_fill((int32_t)i));
             if (sagi_i8_mask(near) == 0) continue;
             const packet_span s = span_of_part(line, &solid->parts[i]);
             const sagi_i8 on = near & inside & ~s.doubt & sagi_f8_less(d.in[1], s.out[0]);
             doubt |= near & ~on, again |= on;
-            d.owner = (on & (int32_t)i) | (~on & d.owner);
+            d.owner = (on & sagi_i8_fill((int32_t)i)) | (~on & d.owner);
             d.in[0] = sagi_f8_select(on, s.out[0], d.in[0]), d.in[1] = sagi_f8_select(on, s.out[1], d.in[1]);
         }
         moved = again & ~doubt;
@@ -191,23 +198,25 @@ SAGI_INLINE void box_for_four(dented_four *four, const sag_box *box, bool dent) 
     four->good = (sagi_l4){-1, -1, -1, -1};
     for (int k = 0; k < 3; k++) {
         const sagi_d4 d = four->d[k], a = sagi_d4_fill(lo[k] - o[k]) / d, b = sagi_d4_fill(hi[k] - o[k]) / d;
-        const sagi_l4 down = d < sagi_d4_fill(0);
+        const sagi_l4 down = sagi_d4_below(d, 0);
         const sagi_d4 near = sagi_d4_select(down, b, a), far = sagi_d4_select(down, a, b);
         sign[k] = down & 1;
-        four->good &= d != sagi_d4_fill(0);
+        four->good &= down | sagi_d4_above(d, 0);
         if (k == 0) {
             t0 = near, t1 = far;
             continue;
         }
-        const sagi_l4 after = near > t0, sooner = far < t1, number = {k, k, k, k};
+        const sagi_l4 after = sagi_d4_less(t0, near), sooner = sagi_d4_less(far, t1), number = sagi_l4_fill(k);
         t0 = sagi_d4_select(after, near, t0), enter = (after & number) | (~after & enter);
         t1 = sagi_d4_select(sooner, far, t1), leave = (sooner & number) | (~sooner & leave);
     }
     const sagi_d4 error =
         sagi_d4_fill(4 * SAGI_EPSILON) * (sagi_d4_abs(t0) + sagi_d4_abs(t1)) + sagi_d4_fill(0x1p-1022);
-    four->good &= (t1 - t0 > error) & (t1 - t0 < sagi_d4_fill(INFINITY));
+    four->good &= sagi_d4_less(error, t1 - t0) & sagi_d4_below(t1 - t0, INFINITY);
     const sagi_l4 face = dent ? leave : enter;
-    const sagi_l4 down = ((face == 0) & sign[0]) | ((face == 1) & sign[1]) | ((face == 2) & sign[2]);
+    const sagi_l4 down = (sagi_l4_equal(face, sagi_l4_fill(0)) & sign[0]) |
+                         (sagi_l4_equal(face, sagi_l4_fill(1)) & sign[1]) |
+                         (sagi_l4_equal(face, sagi_l4_fill(2)) & sign[2]);
     four->primitive = 2 * face + (dent ? 1 - down : down), four->t = dent ? t1 : t0;
 }
 
@@ -220,7 +229,7 @@ static inline void ball_for_four(dented_four *four, const sag_sphere *ball, uint
         rays[i] = (sag_ray){four->o, {four->d[0][i], four->d[1][i], four->d[2][i]}, -INFINITY, INFINITY, 0};
         by.ray[i] = &rays[i], by.at[i] = at;
     }
-    four->good = lanes_of(sagi_sphere_solve4(&by, lanes));
+    four->good = sagi_l4_from_mask(sagi_sphere_solve4(&by, lanes));
     four->t = by.t, four->primitive = (sagi_l4){0};
 }
 
@@ -296,8 +305,8 @@ SAGI_INLINE bool packet_lines(const packet *p, const sagi_dented *solid, const s
         for (int i = 0; i < 3; i++) {
             const sagi_f8 turned =
                 sagi_f8_fma(sagi_f8_fill(a[i][2]), p->z[g],
-                            sagi_f8_fma(sagi_f8_fill(a[i][1]), p->y[g], a[i][0] * p->x[g]));
-            to_b[i] = sagi_f8_fma(sagi_f8_fill(s), turned, sagi_f8_fill(bc[i])), to_v[i] = vc[i] + turned;
+                            sagi_f8_fma(sagi_f8_fill(a[i][1]), p->y[g], sagi_f8_fill(a[i][0]) * p->x[g]));
+            to_b[i] = sagi_f8_fma(sagi_f8_fill(s), turned, sagi_f8_fill(bc[i])), to_v[i] = sagi_f8_fill(vc[i]) + turned;
             far = sagi_f8_max(far, sagi_f8_abs(to_b[i]));
         }
         const sagi_f8 square = dot8(&line[g].v, &line[g].v);
@@ -323,14 +332,15 @@ static __attribute__((noinline)) uint32_t packet_dented(packet *p, uint32_t geom
     for (uint32_t g = 0; g < PACKET_GROUPS; g++) {
         const uint32_t wanted = rays >> 8 * g & 0xFF;
         if (wanted == 0) continue;
-        const sagi_f8 last = (p->limit[g] - begin) * unit * (1 + 0x1p-20F) + DENTED_T;
+        const sagi_f8 last =
+            (p->limit[g] - sagi_f8_fill(begin)) * sagi_f8_fill(unit) * (1 + 0x1p-20F) + DENTED_T;
         const packet_dent d = meet_dented(solid, &line[g], first, last);
         asked |= (sagi_i8_mask(d.asked) & wanted) << 8 * g;
         const uint32_t certain = sagi_i8_mask(d.certain) & wanted;
         for (uint32_t half = 0; half < 2; half++)
             for (uint32_t left = certain & 15U << 4 * half, now; left != 0; left &= ~now) { // part by part
                 const int32_t which = d.owner[__builtin_ctz(left)];
-                now = left & sagi_i8_mask(d.owner == which);
+                now = left & sagi_i8_mask(sagi_i8_equal(d.owner, sagi_i8_fill(which)));
                 asked |= dented_hits(p, geometry, origin, 2 * g + half, now >> 4 * half,
                                      solid->parts[which].part, (uint32_t)which >= solid->convex_count);
             }

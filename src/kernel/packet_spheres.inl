@@ -67,16 +67,16 @@ SAGI_INLINE void prepare_spheres(packet_sphere_block *out, const packet *p, cons
     out->wide = 2.3F * out->bound + h + 0.3F;
     out->begin = begin, out->step = (float)(1 / steps);
     out->first = (float)((p->t_min - (double)begin) * steps);
-    for (size_t i = 0; i < PACKET_GROUPS; i++) moved[i] = (f8x3){p->x[i] * s, p->y[i] * s, p->z[i] * s};
+    for (size_t i = 0; i < PACKET_GROUPS; i++) moved[i] = scaled8(&p->x[i], &p->y[i], &p->z[i], s);
     f8x3 o = fill3(sagi_d4_to_f4(at)), c = fill3(p->c_float);
     f8x3 a = {sagi_f8_from_h8(sagi_sphere_row(block, 0)), sagi_f8_from_h8(sagi_sphere_row(block, 1)),
               sagi_f8_from_h8(sagi_sphere_row(block, 2))};
     out->r = sagi_f8_from_h8(sagi_sphere_row(block, 3));
     out->a = a = sub8(&a, &o);
-    sagi_f8 time = dot8(&a, &c) * (1 / p->c_square);
+    sagi_f8 time = dot8(&a, &c) * sagi_f8_fill(1 / p->c_square);
     f8x3 w = {sagi_f8_fma(time, -c.x, a.x), sagi_f8_fma(time, -c.y, a.y), sagi_f8_fma(time, -c.z, a.z)};
     float cone = 1.02F * p->turn * (s * p->c_length + 1.74F * length);
-    sagi_f8 outer = out->r + (out->bound + cone);
+    sagi_f8 outer = out->r + sagi_f8_fill(out->bound + cone);
     out->left = ((1U << block->count) - 1) & ~sagi_i8_mask(sagi_f8_less(outer * outer, dot8(&w, &w)));
 }
 
@@ -86,17 +86,19 @@ SAGI_INLINE void packet_sphere(packet *p, size_t group, const packet_sphere_bloc
     const f8x3 d = p->d[group];
     const sagi_f8 inverse = p->inverse[group], limit = p->limit[group], none = sagi_f8_fill(0);
     const float r = at->r[lane], outer = r + at->bound, inner = sagi_float_max(r - at->bound, 0);
-    f8x3 a = {at->a.x[lane] - moved->x, at->a.y[lane] - moved->y, at->a.z[lane] - moved->z};
+    f8x3 a = {sagi_f8_fill(at->a.x[lane]) - moved->x, sagi_f8_fill(at->a.y[lane]) - moved->y,
+              sagi_f8_fill(at->a.z[lane]) - moved->z};
     sagi_f8 time = dot8(&a, &d) * inverse;
     f8x3 w = {sagi_f8_fma(time, -d.x, a.x), sagi_f8_fma(time, -d.y, a.y), sagi_f8_fma(time, -d.z, a.z)};
     sagi_f8 q = dot8(&w, &w);
     sagi_i8 maybe =
         sagi_f8_at_most(q, sagi_f8_fill(outer * outer)) & sagi_f8_at_most(sagi_f8_fill(at->begin), limit);
     if (sagi_i8_mask(maybe) == 0) return;
-    const float doubt = at->bound * (2 * r + 3 * at->bound);
-    sagi_f8 s = r * r - q;
-    sagi_f8 most = sagi_f8_sqrt(sagi_f8_max(s + doubt, none) * inverse) + at->wide;
-    sagi_f8 least = sagi_f8_sqrt(sagi_f8_max(s - doubt, none) * inverse) - at->wide;
+    const sagi_f8 doubt = sagi_f8_fill(at->bound * (2 * r + 3 * at->bound)), wide = sagi_f8_fill(at->wide);
+    const sagi_f8 s = sagi_f8_fill(r * r) - q, block_begin = sagi_f8_fill(at->begin),
+                  step = sagi_f8_fill(at->step);
+    sagi_f8 most = sagi_f8_sqrt(sagi_f8_max(s + doubt, none) * inverse) + wide;
+    sagi_f8 least = sagi_f8_sqrt(sagi_f8_max(s - doubt, none) * inverse) - wide;
     sagi_f8 from = time - most, to = time - least;
     sagi_i8 certain = sagi_f8_less(q, sagi_f8_fill(inner * inner));
     sagi_i8 begun = sagi_f8_at_most(sagi_f8_fill(at->first), from);
@@ -107,8 +109,8 @@ SAGI_INLINE void packet_sphere(packet *p, size_t group, const packet_sphere_bloc
         certain &= begun | (early & sagi_f8_at_most(sagi_f8_fill(at->first), second));
         from = sagi_f8_select(early, second, from), to = sagi_f8_select(begun, to, last);
     }
-    sagi_f8 earliest = (at->begin + sagi_f8_max(from, none) * at->step) * (1 - 0x1p-20F);
-    sagi_f8 latest = (at->begin + to * at->step) * (1 + 0x1p-20F);
+    sagi_f8 earliest = (block_begin + sagi_f8_max(from, none) * step) * (1 - 0x1p-20F);
+    sagi_f8 latest = (block_begin + to * step) * (1 + 0x1p-20F);
     maybe &= sagi_f8_at_most(earliest, limit);
     uint32_t met = sagi_i8_mask(maybe);
     if (met == 0) return;

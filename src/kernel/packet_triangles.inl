@@ -104,26 +104,29 @@ SAGI_INLINE void packet_triangle(packet *p, size_t group, const packet_block *at
             most = sagi_f8_max(sagi_f8_max(e[0], e[1]), e[2]);
     sagi_f8 limit = p->limit[group];
     sagi_i8 maybe =
-        ~(sagi_f8_below(least, -at->bound) & sagi_f8_above(most, at->bound)) & (limit >= at->begin);
+        ~(sagi_f8_below(least, -at->bound) & sagi_f8_above(most, at->bound)) &
+        sagi_f8_at_most(sagi_f8_fill(at->begin), limit);
     if (sagi_i8_mask(maybe) == 0) return;
     sagi_f8 w = sagi_f8_fma(z, sagi_f8_fill(at->n.z[lane]),
-                            sagi_f8_fma(y, sagi_f8_fill(at->n.y[lane]), x * at->n.x[lane]));
-    sagi_f8 d = at->d[lane] + w, t = at->t[lane] - at->s * w;
-    sagi_i8 sign = sagi_f8_bits(d) & INT32_MIN,
-            behind = most<-at->bound, front = behind, back = least> at->bound;
+                            sagi_f8_fma(y, sagi_f8_fill(at->n.y[lane]), x * sagi_f8_fill(at->n.x[lane])));
+    const sagi_f8 b0 = sagi_f8_fill(at->b0), b1 = sagi_f8_fill(at->b1), begin = sagi_f8_fill(at->begin),
+                  step = sagi_f8_fill(at->step);
+    sagi_f8 d = sagi_f8_fill(at->d[lane]) + w, t = sagi_f8_fill(at->t[lane]) - sagi_f8_fill(at->s) * w;
+    const sagi_i8 sign = sagi_f8_bits(d) & INT32_MIN, front = sagi_f8_below(most, -at->bound),
+                  back = sagi_f8_above(least, at->bound);
     t = (sagi_f8)(sagi_f8_bits(t) ^ sign), d = sagi_f8_abs(d);
-    sagi_i8 known = d > 2 * at->b1;
-    behind = known & (t < -at->b0);
-    sagi_f8 earliest = sagi_f8_max((t - at->b0) / (d + at->b1), sagi_f8_fill(0));
-    sagi_f8 latest = (t + at->b0) / (d - at->b1);
-    earliest = (at->begin + earliest * at->step) * (1 - 0x1p-20F);
-    latest = (at->begin + latest * at->step) * (1 + 0x1p-20F);
-    maybe &= ~behind & (earliest <= limit);
+    const sagi_i8 known = sagi_f8_above(d, 2 * at->b1), behind = known & sagi_f8_less(t, -b0);
+    sagi_f8 earliest = sagi_f8_max((t - b0) / (d + b1), sagi_f8_fill(0));
+    sagi_f8 latest = (t + b0) / (d - b1);
+    earliest = (begin + earliest * step) * (1 - 0x1p-20F);
+    latest = (begin + latest * step) * (1 + 0x1p-20F);
+    maybe &= ~behind & sagi_f8_at_most(earliest, limit);
     if (one_sided) maybe &= ~back;
     uint32_t met = sagi_i8_mask(maybe);
     if (met == 0) return;
-    sagi_i8 certain = maybe & known & (front | back) & (latest <= p->last) &
-                      (t - d * at->first > at->b0 + at->b1 * fabsf(at->first));
+    const sagi_i8 certain =
+        maybe & known & (front | back) & sagi_f8_at_most(latest, sagi_f8_fill(p->last)) &
+        sagi_f8_above(t - d * sagi_f8_fill(at->first), at->b0 + at->b1 * fabsf(at->first));
     packet_take(p, group, met, certain, earliest, latest, &block->head, lane);
 }
 

@@ -333,7 +333,8 @@ SAGI_INLINE ray_state make_any_length(const sagi_world *world, const sag_ray *ra
     sagi_d4 o = sagi_d4_load((const char *)ray + offsetof(sag_ray, origin));    // the fourth is d.x
     sagi_d4 size = sagi_d4_abs(d), q = (o - world->quick_center) * sagi_d4_fill(world->scale);
     const double largest = largest_of_three(size);
-    sagi_l4 usual = (size >= sagi_d4_fill(largest * 0x1p-39)) & (sagi_d4_abs(q) < sagi_d4_fill(64)); // no NaN
+    const sagi_l4 usual =
+        sagi_d4_at_most(sagi_d4_fill(largest * 0x1p-39), size) & sagi_d4_below(sagi_d4_abs(q), 64); // no NaN
     if (!(largest > 0x1p-60 && largest < 0x1p60 && ray->t_min <= ray->t_max &&
           (sagi_d4_signs((sagi_d4)usual) & 7) == 7))
         return careful_state(world, ray, out, now);

@@ -46,7 +46,7 @@ static inline bool begins_outside(const sagi_world *world, const sag_ray *ray) {
     const sagi_d4 scale = sagi_d4_fill(world->scale), q = (p - c) * scale;
     const sagi_d4 room =
         (one + (sagi_d4_abs(p) + sagi_d4_abs(c) + sagi_d4_abs(o)) * scale) * sagi_d4_fill(0x1p-30);
-    const sagi_l4 out = (q + room < world->lower) | (q - room > world->upper);
+    const sagi_l4 out = sagi_d4_less(q + room, world->lower) | sagi_d4_less(world->upper, q - room);
     return (sagi_d4_signs((sagi_d4)out) & 7) != 0;
 }
 
@@ -61,7 +61,7 @@ static inline bool is_out_of_cutters(const sagi_carved *carved, const sag_ray *r
         const sagi_carved_four *four = &carved->fours[i];
         const sagi_d4 lx = four->x - x, ly = four->y - y, lz = four->z - z;
         const sagi_d4 away = lx * lx + ly * ly + lz * lz;
-        const sagi_l4 out = away > four->squared + grain * (most + away + four->squared);
+        const sagi_l4 out = sagi_d4_less(four->squared + grain * (most + away + four->squared), away);
         if (sagi_d4_signs((sagi_d4)out) != 15) return false;
     }
     return true;

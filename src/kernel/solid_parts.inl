@@ -23,9 +23,10 @@ typedef struct quick_crossings {
 // As shapes/box.c, where no axis is along a face and the ray does not just touch. The same bits.
 SAGI_INLINE bool quick_box(const solid_walk *w, const sag_box *box, quick_crossings *q) {
     const sagi_d4 zero = sagi_d4_fill(0), d = w->direction;
-    const sagi_d4 lo = {box->min.x, box->min.y, box->min.z, 0}, hi = {box->max.x, box->max.y, box->max.z, 0};
+    const sagi_d4 lo = sagi_d4_of(box->min.x, box->min.y, box->min.z, 0),
+                  hi = sagi_d4_of(box->max.x, box->max.y, box->max.z, 0);
     if (d[0] == 0 || d[1] == 0 || d[2] == 0) return false;
-    const sagi_l4 down = d < zero;
+    const sagi_l4 down = sagi_d4_less(d, zero);
     sagi_d4 near = (sagi_d4_select(down, hi, lo) - w->origin) / d;
     sagi_d4 far = (sagi_d4_select(down, lo, hi) - w->origin) / d;
     uint32_t enter = near[1] > near[0], leave = far[1] < far[0];

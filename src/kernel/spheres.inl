@@ -68,11 +68,15 @@ SAGI_INLINE sphere_answer meet_spheres(const sagi_block *block, const sagi_float
     float first = sagi_float_max((float)((ray->t_min - (double)begin) * steps), -range);
     float last = sagi_float_min((limit - begin) * grid, range);
     float last_certain = sagi_float_min((ray->t_max - begin) * grid, range);
-    sagi_i8 early = answer.near[1] < first;
-    sagi_i8 missed = (answer.near[0] > last) | (answer.far[1] < first) | (early & (answer.far[0] > last));
-    sagi_i8 met = (inner > none) & (q < inner * inner);
-    sagi_i8 at_first = (answer.near[0] >= first) & (answer.near[1] <= last_certain);
-    sagi_i8 at_second = early & (answer.far[0] >= first) & (answer.far[1] <= last_certain);
+    const sagi_f8 from = sagi_f8_fill(first), certain_to = sagi_f8_fill(last_certain);
+    const sagi_i8 early = sagi_f8_less(answer.near[1], from);
+    const sagi_i8 missed = sagi_f8_above(answer.near[0], last) | sagi_f8_less(answer.far[1], from) |
+                           (early & sagi_f8_above(answer.far[0], last));
+    const sagi_i8 met = sagi_f8_less(none, inner) & sagi_f8_less(q, inner * inner);
+    const sagi_i8 at_first =
+        sagi_f8_at_most(from, answer.near[0]) & sagi_f8_at_most(answer.near[1], certain_to);
+    const sagi_i8 at_second =
+        early & sagi_f8_at_most(from, answer.far[0]) & sagi_f8_at_most(answer.far[1], certain_to);
     left &= ~sagi_i8_mask(missed);
     answer.certain = left & sagi_i8_mask(met & (at_first | at_second));
     answer.uncertain = left & ~answer.certain;

@@ -39,6 +39,10 @@ typedef struct f8x3 {
     sagi_f8 x, y, z;
 } f8x3;
 
+SAGI_INLINE f8x3 scaled8(const sagi_f8 *x, const sagi_f8 *y, const sagi_f8 *z, float s) {
+    const sagi_f8 times = sagi_f8_fill(s);
+    return (f8x3){*x * times, *y * times, *z * times};
+}
 SAGI_INLINE f8x3 sub8(const f8x3 *a, const f8x3 *b) { return (f8x3){a->x - b->x, a->y - b->y, a->z - b->z}; }
 SAGI_INLINE f8x3 cross8(const f8x3 *a, const f8x3 *b) {
     return (f8x3){sagi_f8_fms(a->y, b->z, a->z * b->y), sagi_f8_fms(a->z, b->x, a->x * b->z),
@@ -48,9 +52,9 @@ SAGI_INLINE sagi_f8 dot8(const f8x3 *a, const f8x3 *b) {
     return sagi_f8_fma(a->z, b->z, sagi_f8_fma(a->y, b->y, a->x * b->x));
 }
 SAGI_INLINE void spread3(sagi_f4 a, f8x3 *out) {
-    sagi_f8 to[3];
-    sagi_f8_spread3(a, to);
-    *out = (f8x3){to[0], to[1], to[2]};
+    sagi_same to[3];
+    sagi_f4_spread3(a, to);
+    *out = (f8x3){sagi_f8_of_same(to[0]), sagi_f8_of_same(to[1]), sagi_f8_of_same(to[2])};
 }
 SAGI_INLINE f8x3 fill3(sagi_f4 a) {
     return (f8x3){sagi_f8_fill(a[0]), sagi_f8_fill(a[1]), sagi_f8_fill(a[2])};
@@ -123,15 +127,15 @@ SAGI_INLINE void read_block(const block_constants *k, const sagi_triangle_block 
 // The grid's zero, in world units. The numbers have 21 bits: as the last ones of a double that begins with
 // 2³² they stand for themselves times 2⁻²⁰.
 SAGI_INLINE sagi_d4 grid_zero(const block_constants *k, uint64_t base) {
-    typedef uint64_t u4 __attribute__((vector_size(32)));
-    u4 n = (u4){base, base, base, base} >> (u4){0, SAGI_GRID_BASE_BITS, 2 * SAGI_GRID_BASE_BITS, 63};
-    return (sagi_d4)((n & k->zero_bits) | k->zero_exponent) - sagi_d4_fill(k->zero);
+    const sagi_l4 n = sagi_l4_rights(base, 0, SAGI_GRID_BASE_BITS, 2 * SAGI_GRID_BASE_BITS, 63);
+    return (sagi_d4)((n & sagi_l4_fill(k->zero_bits)) | sagi_l4_fill(k->zero_exponent)) -
+           sagi_d4_fill(k->zero);
 }
 
 // The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
 // bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
 SAGI_INLINE bool is_near(const sagi_float_ray *ray, sagi_d4 at, double steps) {
-    return (sagi_d4_signs((sagi_d4)(sagi_d4_abs(at - sagi_d4_fill(0x1p15)) <= sagi_d4_fill(0xCp12))) & 7) ==
+    return (sagi_d4_signs((sagi_d4)sagi_d4_at_most(sagi_d4_abs(at - sagi_d4_fill(0x1p15)), sagi_d4_fill(0xCp12))) & 7) ==
                7 &&
            ray->error * steps <= 0.125;
 }
@@ -162,7 +166,7 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     a = sub8(&a, &o);
     f8x3 m = cross8(&d, &a), n = cross8(&z, &x);
     sagi_f8 ab = dot8(&m, &x), ca = dot8(&m, &z), den = dot8(&d, &n), num = dot8(&a, &n);
-    sagi_f8 bc = sagi_f8_fma(ab + ca, sagi_f8_fill(k->minus_third), den * k->third);
+    sagi_f8 bc = sagi_f8_fma(ab + ca, sagi_f8_fill(k->minus_third), den * sagi_f8_fill(k->third));
     sagi_f8 least = sagi_f8_min(sagi_f8_min(ab, ca), bc), most = sagi_f8_max(sagi_f8_max(ab, ca), bc);
     const edge_bounds *e = &k->bounds[block->head.edge];
     const sagi_i8 outside = sagi_f8_below(least, e->minus_outside) & sagi_f8_above(most, e->outside);
@@ -173,7 +177,7 @@ SAGI_INLINE bool meet_triangles(const sagi_triangle_block *block, const sagi_flo
     const float first = (float)((ray->t_min - (double)begin) * steps), first_error = fabsf(first) * b1;
     const float last = sagi_float_min((limit - begin) * grid, k->range), last_error = last * b1;
     const float certain = sagi_float_min((last_certain - begin) * grid, k->range);
-    const sagi_i8 sign = sagi_f8_bits(den) & (int32_t)k->sign,
+    const sagi_i8 sign = sagi_f8_bits(den) & sagi_i8_fill((int32_t)k->sign),
                   no_sign = sagi_i8_fill((int32_t)k->all_but_sign);
     const sagi_f8 t = (sagi_f8)(sagi_f8_bits(num) ^ sign), size = sagi_f8_and(den, no_sign);
     const sagi_f8 way = sagi_f8_and(a.x, no_sign) + sagi_f8_and(a.y, no_sign) + sagi_f8_and(a.z, no_sign);

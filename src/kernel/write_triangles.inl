@@ -72,13 +72,11 @@ SAGI_INLINE void choose_grid(const block_vertices *v, sagi_block *head, block_gr
     g->fine_steps = g->steps * (1 << SAGI_REST_BITS), g->fine_step = 1 / g->fine_steps;
 }
 
-typedef uint16_t four_short __attribute__((vector_size(8))); // as they stand in a block, side by side
-
 // What corners lack, as it comes together.
 typedef struct rests {
-    sagi_rest4 numbers;
-    sagi_rest4 beyond; // not 0: they do not fit,
-    sagi_rest4 bad;    // not 0: and read back it is not the vertex
+    sagi_l4 numbers;
+    sagi_l4 beyond; // not 0: they do not fit,
+    sagi_l4 bad;    // not 0: and read back it is not the vertex
 } rests;
 
 // Coordinate k of corner i of four triangles, rounded to both grids; the coarse numbers, as doubles.
@@ -90,11 +88,13 @@ SAGI_INLINE sagi_d4 round_four(const block_grid *g, sagi_d4 vertex, sagi_d4 at, 
     // fine − 128 coarse + 64, of the numbers without the bits of 2⁵².
     const uint64_t middle =
         (SAGI_REST_WHOLE_BITS << SAGI_REST_BITS) - SAGI_REST_WHOLE_BITS + SAGI_REST_MIDDLE;
-    const sagi_rest4 n = (sagi_rest4)fine - ((sagi_rest4)coarse << SAGI_REST_BITS) + middle;
-    to->beyond |= n >> SAGI_REST_BITS, to->numbers |= n << SAGI_REST_SHIFT(i, k);
+    typedef uint64_t whole4 __attribute__((vector_size(32)));
+    const whole4 n = (whole4)fine - ((whole4)coarse << SAGI_REST_BITS) + middle;
+    to->beyond |= (sagi_l4)(n >> SAGI_REST_BITS);
+    to->numbers |= sagi_l4_left((sagi_l4)n, (uint64_t)SAGI_REST_SHIFT(i, k));
     const sagi_d4 back = sagi_d4_fill(g->origin[k]) +
                          (zero + (fine - whole) * sagi_d4_fill(g->fine_step)) * sagi_d4_fill(g->unit);
-    to->bad |= (sagi_rest4)back ^ (sagi_rest4)vertex;
+    to->bad |= (sagi_l4)back ^ (sagi_l4)vertex;
     return coarse - whole;
 }
 
@@ -115,7 +115,7 @@ static void write_triangles(const sagi_world *world, const sagi_bvh_primitive *p
     choose_grid(&v, &head, &g);
     sagi_d4 longest = sagi_d4_fill(0); // no coordinate of an edge is longer
     for (uint32_t half = 0; 4 * half < count; half++) {
-        const sagi_l4 lane = {0, 1, 2, 3}, there = lane < (int64_t)count - 4 * half;
+        const sagi_l4 there = sagi_l4_from_mask(sagi_last_bits(UINT32_MAX, count) >> 4 * half);
         rests rest = {.numbers = {0}};
         for (int k = 0; k < 3; k++) {
             sagi_d4 a = sagi_d4_fill(0);
@@ -124,13 +124,13 @@ static void write_triangles(const sagi_world *world, const sagi_bvh_primitive *p
                 a = i == 0 ? coarse : a;
                 longest = sagi_d4_max(longest, sagi_d4_abs(coarse - a));
                 const sagi_d4 written = (sagi_d4)((sagi_l4)coarse & there);
-                const four_short numbers =
-                    __builtin_convertvector(__builtin_convertvector(written, sagi_w4), four_short);
+                const uint64_t numbers = sagi_d4_to_h4(written);
                 memcpy(sagi_block_corner(block, i, k, 4 * (int)half), &numbers, sizeof numbers);
             }
         }
-        const sagi_l4 exact = there & ((rest.bad | rest.beyond) == 0) & -(int64_t)floats;
-        const sagi_rest4 numbers = (rest.numbers | SAGI_REST_EXACT) & (sagi_rest4)exact;
+        const sagi_l4 exact = there & sagi_l4_equal(rest.bad | rest.beyond, sagi_l4_fill(0)) &
+                              sagi_l4_fill(-(int64_t)floats);
+        const sagi_l4 numbers = (rest.numbers | sagi_l4_fill((int64_t)SAGI_REST_EXACT)) & exact;
         memcpy(block->rest + 4 * half, &numbers, sizeof numbers);
     }
     for (uint32_t j = 0; j < count; j++) block->primitive[j] = p[j].primitive;

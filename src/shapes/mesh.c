@@ -110,7 +110,7 @@ size_t sag_mesh_crossings(const sag_mesh *s, const sag_ray *ray, sag_hit *hits, 
 
 void sagi_mesh_shading_normal(const sag_mesh *s, uint32_t i, double u, double v, sag_vec3 *normal) {
     if (!s->normals_f32) return;
-    const sagi_d4 before = {normal->x, normal->y, normal->z, 0};
+    const sagi_d4 before = sagi_d4_of(normal->x, normal->y, normal->z, 0);
     *normal = sagi_d4_vec3(sagi_mesh_normal(s, &s->triangles[3 * (size_t)i], u, v, before));
 }
 

@@ -42,7 +42,7 @@ SAGI_INLINE sagi_d4 sagi_d4_normalize3(sagi_d4 a) {
     const double squared = sagi_d4_dot3(a, a);
     if (__builtin_expect(sagi_square_is_safe(squared), 1)) return a / sagi_d4_fill(sqrt(squared));
     const sag_vec3 unit = sag_normalize(sagi_d4_vec3(a));
-    return (sagi_d4){unit.x, unit.y, unit.z, 0};
+    return sagi_d4_of(unit.x, unit.y, unit.z, 0);
 }
 
 // The vertices' normals, interpolated; `normal` where that cannot be.
@@ -55,7 +55,7 @@ SAGI_INLINE sagi_d4 sagi_mesh_normal(const sag_mesh *s, const uint32_t corner[3]
         // Most are unit already as far as floats can be.
         if (__builtin_expect(!(fabs(sagi_d4_dot3(unit, unit) - 1) <= 0x1p-20), 0)) {
             const sag_vec3 again = sag_normalize(sagi_d4_vec3(unit));
-            unit = (sagi_d4){again.x, again.y, again.z, 0};
+            unit = sagi_d4_of(again.x, again.y, again.z, 0);
         }
         sum = sum + sagi_d4_fill(weight[k]) * unit;
     }
@@ -89,7 +89,7 @@ SAGI_INLINE void sagi_mesh_point(const sag_mesh *s, uint32_t i, double u, double
         sag_vec3 unit = {0, 0, 1}, at[3];
         sagi_mesh_triangle(s, i, at);
         sagi_triangle_normal(&at[0], &at[1], &at[2], &unit);
-        geometric = (sagi_d4){unit.x, unit.y, unit.z, 0};
+        geometric = sagi_d4_of(unit.x, unit.y, unit.z, 0);
     }
     sagi_d4 dpdu = ab, dpdv = ac, across = n;
     double at_u = u, at_v = v;

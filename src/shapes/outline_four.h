@@ -48,7 +48,7 @@ typedef struct sagi_outline_four {
 } sagi_outline_four;
 
 SAGI_INLINE sagi_d4 sagi_d4_copysign(sagi_d4 size, sagi_d4 sign) {
-    const sagi_l4 bit = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    const sagi_l4 bit = sagi_l4_fill(INT64_MIN);
     return (sagi_d4)(((sagi_l4)size & ~bit) | ((sagi_l4)sign & bit));
 }
 
@@ -64,9 +64,9 @@ SAGI_INLINE sagi_l4 sagi_outline_polish4(const sagi_outline_origin *o, const sag
         sagi_d4 magnitude = sagi_d4_abs(g.hi), half = g.hi;
         if (i == 2) {
             const sagi_dd l = f->linear[i];
-            half += l.hi;
-            b_sum += sagi_d4_abs(l.hi * r->d[i]);
-            magnitude += 2 * fabs(l.hi);
+            half += sagi_d4_fill(l.hi);
+            b_sum += sagi_d4_abs(sagi_d4_fill(l.hi) * r->d[i]);
+            magnitude += sagi_d4_fill(2 * fabs(l.hi));
             g = sagi_dd4_add(g, sagi_dd4_fill((sagi_dd){2 * l.hi, 2 * l.lo}));
         }
         value = sagi_dd4_add(value, sagi_dd4_mul(g, y));
@@ -76,36 +76,38 @@ SAGI_INLINE sagi_l4 sagi_outline_polish4(const sagi_outline_origin *o, const sag
     }
     const sagi_d4 b_error = SAGI_QUADRIC_EPSILON * b_sum, value_error = SAGI_QUADRIC_EPSILON_DD * sum,
                   size = sagi_d4_abs(b), v = value.hi;
-    sagi_l4 good = (b * sign > 0) & (b_error <= size * 0x1p-6) &
-                   ((sagi_d4_abs(r->a) + r->a_error) * (sagi_d4_abs(v) + value_error) <= b * b * 0.25);
+    const sagi_l4 good =
+        sagi_d4_above(b * sign, 0) & sagi_d4_at_most(b_error, size * 0x1p-6) &
+        sagi_d4_at_most((sagi_d4_abs(r->a) + r->a_error) * (sagi_d4_abs(v) + value_error), b * b * 0.25);
     sagi_d4 step = -v / (b + sagi_d4_copysign(sagi_d4_sqrt(b * b - r->a * v), b)), wide = sagi_d4_abs(step);
     sagi_d4 error = 0.75 * value_error / size + wide * (1.4 * b_error / size + SAGI_QUADRIC_EPSILON) +
                     0.75 * wide * wide * r->a_error / size;
     *root += step;
-    return good & (error <= SAGI_EPSILON * sagi_d4_abs(*root));
+    return good & sagi_d4_at_most(error, SAGI_EPSILON * sagi_d4_abs(*root));
 }
 
 // sagi_first_of_interval, of the lanes in `left`.
 SAGI_INLINE void sagi_outline_interval4(const sagi_outline_origin *o, sagi_outline_four *r, sagi_l4 left,
                                         sagi_d4 enter, sagi_d4 leave, sagi_d4 sign) {
     const sagi_d4 slack = r->slack, first = r->cut_enter, last = r->cut_leave, t_max = r->t_max;
-    const double t_min = o->t_min;
-    left &= ~((first > last) | (leave + slack < first) | (enter - slack > last));
-    left &= ~((leave + slack < t_min) | (last < t_min));
-    sagi_l4 cap = left & (first > enter + slack), curved = left & ~cap;
-    sagi_l4 sure = (first < leave - slack) & (first >= t_min);
+    const sagi_d4 t_min = sagi_d4_fill(o->t_min);
+    left &=
+        ~(sagi_d4_less(last, first) | sagi_d4_less(leave + slack, first) | sagi_d4_less(last, enter - slack));
+    left &= ~(sagi_d4_less(leave + slack, t_min) | sagi_d4_less(last, t_min));
+    sagi_l4 cap = left & sagi_d4_less(enter + slack, first), curved = left & ~cap;
+    sagi_l4 sure = sagi_d4_less(first, leave - slack) & sagi_d4_at_most(t_min, first);
     r->unknown |= cap & ~sure;
-    cap &= sure & (first <= t_max) & (sagi_d4_abs(first) < INFINITY);
+    cap &= sure & sagi_d4_at_most(first, t_max) & sagi_d4_below(sagi_d4_abs(first), INFINITY);
     r->hit |= cap;
     r->t = sagi_d4_select(cap, first, r->t), r->primitive = sagi_d4_select(cap, r->cut_cap, r->primitive);
-    sure = (first < enter - slack) & (enter + slack < last);
+    sure = sagi_d4_less(first, enter - slack) & sagi_d4_less(enter + slack, last);
     r->unknown |= curved & ~sure;
-    curved &= sure & ~(enter - slack > t_max);
+    curved &= sure & ~sagi_d4_less(t_max, enter - slack);
     if (sagi_d4_signs((sagi_d4)curved) == 0) return;
     sagi_d4 root = enter;
-    sure = sagi_outline_polish4(o, r, sign, &root) & (root >= t_min);
+    sure = sagi_outline_polish4(o, r, sign, &root) & sagi_d4_at_most(t_min, root);
     r->unknown |= curved & ~sure;
-    curved &= sure & (root <= t_max);
+    curved &= sure & sagi_d4_at_most(root, t_max);
     r->hit |= curved;
     r->t = sagi_d4_select(curved, root, r->t);
     r->primitive = sagi_d4_select(curved, sagi_d4_fill(SAGI_CURVED), r->primitive);
@@ -116,12 +118,14 @@ SAGI_INLINE sagi_l4 sagi_outline_below4(const sagi_outline_origin *o, const sagi
                                         sagi_d4 enter, sagi_d4 leave, sagi_l4 *known) {
     const sagi_d4 up = r->d[2], step = (enter * 0.5 + leave * 0.5) * up;
     const double apex = o->outline->form.center.z;
-    const sagi_d4 middle = (o->at.z - apex) + step;
-    const sagi_d4 doubt =
-        r->slack * sagi_d4_abs(up) + 8 * SAGI_EPSILON * (fabs(o->at.z) + fabs(apex) + sagi_d4_abs(step));
-    const sagi_l4 last = leave == INFINITY, first = enter == -INFINITY;
-    *known = last | first | (middle < -doubt) | (middle > doubt);
-    return (last & (up < 0)) | (~last & first & (up > 0)) | (~last & ~first & (middle < -doubt));
+    const sagi_d4 middle = sagi_d4_fill(o->at.z - apex) + step;
+    const sagi_d4 doubt = r->slack * sagi_d4_abs(up) +
+                          8 * SAGI_EPSILON * (sagi_d4_fill(fabs(o->at.z) + fabs(apex)) + sagi_d4_abs(step));
+    const sagi_l4 last = sagi_d4_at_most(sagi_d4_fill(INFINITY), leave),
+                  first = sagi_d4_at_most(enter, sagi_d4_fill(-INFINITY)),
+                  under = sagi_d4_less(middle, -doubt);
+    *known = last | first | under | sagi_d4_less(doubt, middle);
+    return (last & sagi_d4_below(up, 0)) | (~last & first & sagi_d4_above(up, 0)) | (~last & ~first & under);
 }
 
 // sagi_outline_first for those lanes: `hit` is where t and primitive are, `unknown` where to ask again.
@@ -133,45 +137,51 @@ SAGI_INLINE void sagi_outline_first4(const sagi_outline_origin *o, sagi_outline_
     sagi_d4 size[3], magnitude[3], qd[3];
     for (int i = 0; i < 3; i++) {
         size[i] = sagi_d4_abs(r->d[i]);
-        qd[i] = form->square[i].hi * r->d[i], magnitude[i] = sagi_d4_abs(qd[i]);
+        qd[i] = sagi_d4_fill(form->square[i].hi) * r->d[i], magnitude[i] = sagi_d4_abs(qd[i]);
     }
     const sagi_d4 largest = sagi_d4_max(sagi_d4_max(size[0], size[1]), size[2]);
     const sagi_d4 a = r->a = qd[0] * r->d[0] + qd[1] * r->d[1] + qd[2] * r->d[2];
     const sagi_d4 a_error = r->a_error =
         SAGI_QUADRIC_EPSILON * (magnitude[0] * size[0] + magnitude[1] * size[1] + magnitude[2] * size[2]);
     sagi_d4 b = zero, b_sum = zero;
-    for (int i = 0; i < 3; i++) b += o->g[i] * r->d[i], b_sum += o->g_magnitude[i] * size[i];
+    for (int i = 0; i < 3; i++)
+        b += sagi_d4_fill(o->g[i]) * r->d[i], b_sum += sagi_d4_fill(o->g_magnitude[i]) * size[i];
     const sagi_d4 b_error = SAGI_QUADRIC_EPSILON * b_sum;
-    const double c = o->c, c_error = o->c_error;
+    const sagi_d4 c = sagi_d4_fill(o->c), c_error = sagi_d4_fill(o->c_error);
     sagi_d4 bb = b * b, ac = a * c, d = bb - ac;
-    sagi_d4 d_error = (2 * sagi_d4_abs(b) + b_error) * b_error + fabs(c) * a_error +
+    sagi_d4 d_error = (2 * sagi_d4_abs(b) + b_error) * b_error + sagi_d4_abs(c) * a_error +
                       (sagi_d4_abs(a) + a_error) * c_error + 4 * SAGI_EPSILON * (bb + sagi_d4_abs(ac));
     r->hit = nothing;
-    sagi_l4 left = lanes, usual = (largest > 0x1p-60) & (largest < 0x1p60) & (sagi_d4_abs(a) > a_error);
+    sagi_l4 left = lanes, usual = sagi_d4_above(largest, 0x1p-60) & sagi_d4_below(largest, 0x1p60) &
+                                  sagi_d4_less(a_error, sagi_d4_abs(a));
     if (!o->usual) usual = nothing;
-    const sagi_l4 positive = a > 0;
+    const sagi_l4 positive = sagi_d4_above(a, 0);
     const sagi_d4 sign = sagi_d4_select(positive, sagi_d4_fill(1), sagi_d4_fill(-1));
-    sagi_l4 missed = d < -d_error;
-    if (o->t_min >= 0) missed |= (sign * c > c_error) & (sign * b > b_error);
+    sagi_l4 missed = sagi_d4_less(d, -d_error);
+    if (o->t_min >= 0) missed |= sagi_d4_less(c_error, sign * c) & sagi_d4_less(b_error, sign * b);
     // Certainly missed, or not known, or it goes on.
-    r->unknown = left & (~usual | (missed & ~positive) | (~missed & ~(d > SAGI_QUADRIC_GUARD * d_error)));
+    r->unknown =
+        left & (~usual | (missed & ~positive) | (~missed & ~sagi_d4_less(SAGI_QUADRIC_GUARD * d_error, d)));
     left &= ~r->unknown & ~missed;
     if (sagi_d4_signs((sagi_d4)left) == 0) return;
 
     const sagi_d4 root = sagi_d4_sqrt(d), q = -(b + sagi_d4_copysign(root, b));
     const sagi_d4 ta = 0 + q / a, tb = 0 + c / q;
-    const sagi_l4 sooner = ta < tb;
+    const sagi_l4 sooner = sagi_d4_less(ta, tb);
     const sagi_d4 t0 = sagi_d4_select(sooner, ta, tb), t1 = sagi_d4_select(sooner, tb, ta);
     r->coarse = (root * 0x1p-5 + b_error) / sagi_d4_abs(a);
     const sagi_d4 far = sagi_d4_max(sagi_d4_abs(t0), sagi_d4_abs(t1));
     const sagi_d4 fine = ((a_error * far + 2 * b_error) * far + c_error) / root + 0x1p-50 * far;
-    r->slack = sagi_d4_select(sagi_d4_abs(a) > 64 * a_error, sagi_d4_min(fine, r->coarse), r->coarse);
-    const sagi_d4 low = (outline->z_min - o->at.z) / r->d[2], high = (outline->z_max - o->at.z) / r->d[2];
-    const sagi_l4 up = r->d[2] > 0;
+    r->slack =
+        sagi_d4_select(sagi_d4_less(64 * a_error, sagi_d4_abs(a)), sagi_d4_min(fine, r->coarse), r->coarse);
+    const sagi_d4 low = sagi_d4_fill(outline->z_min - o->at.z) / r->d[2],
+                  high = sagi_d4_fill(outline->z_max - o->at.z) / r->d[2];
+    const sagi_l4 up = sagi_d4_above(r->d[2], 0);
     r->cut_enter = sagi_d4_select(up, low, high), r->cut_leave = sagi_d4_select(up, high, low);
     r->cut_cap = sagi_d4_select(up, sagi_d4_fill(SAGI_CAP_LOW), sagi_d4_fill(SAGI_CAP_HIGH));
-    const sagi_l4 finite =
-        (sagi_d4_abs(t0) < INFINITY) & (sagi_d4_abs(t1) < INFINITY) & (r->slack < INFINITY) & (r->d[2] != 0);
+    const sagi_l4 finite = sagi_d4_below(sagi_d4_abs(t0), INFINITY) &
+                           sagi_d4_below(sagi_d4_abs(t1), INFINITY) & sagi_d4_below(r->slack, INFINITY) &
+                           sagi_d4_above(sagi_d4_abs(r->d[2]), 0);
     r->unknown |= left & ~finite;
     left &= finite;
     for (int i = 0; i < 2; i++) {

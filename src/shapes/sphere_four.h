@@ -43,8 +43,10 @@ static inline uint32_t sagi_sphere_solve4(sagi_sphere_four *four, uint32_t lanes
                   ll = square[0] + square[1] + square[2];
     const sagi_d4 rr = line.radius * line.radius, away = ll - rr, size = ll + rr, d2 = b * b - a * away;
     const sagi_d4 away_error = 8 * SAGI_EPSILON * size, d2_error = 32 * SAGI_EPSILON * a * size;
-    sagi_l4 good = (a > 0x1p-120) & (a < 0x1p120) & (rr > 0x1p-200) & (size < 0x1p250);
-    good &= (t_min >= 0) & (away > away_error) & (b < 0) & (d2 > 64 * d2_error);
+    sagi_l4 good = sagi_d4_above(a, 0x1p-120) & sagi_d4_below(a, 0x1p120) & sagi_d4_above(rr, 0x1p-200) &
+                   sagi_d4_below(size, 0x1p250);
+    good &= sagi_d4_at_most(sagi_d4_fill(0), t_min) & sagi_d4_less(away_error, away) & sagi_d4_below(b, 0) &
+            sagi_d4_less(64 * d2_error, d2);
     sagi_d4 t = (-b - sagi_d4_sqrt(d2)) * (1 / a);
 
     const sagi_d4 rr_low = sagi_d4_product_error(line.radius, line.radius, rr);
@@ -66,10 +68,10 @@ static inline uint32_t sagi_sphere_solve4(sagi_sphere_four *four, uint32_t lanes
     const sagi_d4 half = -0.5 / s, newton = value * half;
     const sagi_d4 step = newton + newton * (newton * (a * half));
     t += step;
-    good &= (s < 0) & (ss >= 0x1p-40 * a * (rr + value_size));
-    good &= a * (value_size + value_error) <= ss * 0x1p-16;
-    good &= 1.5 * value_error * half + sagi_d4_abs(step) * 0x1p-29 <= SAGI_EPSILON * t;
-    good &= (t >= t_min) & (t <= t_max);
+    good &= sagi_d4_below(s, 0) & sagi_d4_at_most(0x1p-40 * a * (rr + value_size), ss);
+    good &= sagi_d4_at_most(a * (value_size + value_error), ss * 0x1p-16);
+    good &= sagi_d4_at_most(1.5 * value_error * half + sagi_d4_abs(step) * 0x1p-29, SAGI_EPSILON * t);
+    good &= sagi_d4_at_most(t_min, t) & sagi_d4_at_most(t, t_max);
     four->t = t;
     uint32_t found = lanes & sagi_d4_signs((sagi_d4)good);
     for (uint32_t left = lanes & ~found; __builtin_expect(left != 0, 0); left &= left - 1) {

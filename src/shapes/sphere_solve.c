@@ -47,14 +47,14 @@ int sagi_sphere_solve_generally(sag_vec3 center, double radius, const sag_ray *r
 
 bool sagi_sphere_hit(sag_vec3 center, double radius, const sag_ray *ray, double *t) {
     double roots[2];
-    const sagi_d4 at = {center.x, center.y, center.z, radius};
+    const sagi_d4 at = sagi_d4_of(center.x, center.y, center.z, radius);
     if (sagi_sphere_solve(at, ray, ray->t_max, true, roots) == 0) return false;
     *t = roots[0];
     return true;
 }
 
 int sagi_sphere_crossings(sag_vec3 center, double radius, const sag_ray *ray, double t[2]) {
-    const sagi_d4 at = {center.x, center.y, center.z, radius};
+    const sagi_d4 at = sagi_d4_of(center.x, center.y, center.z, radius);
     return sagi_sphere_solve(at, ray, ray->t_max, false, t);
 }
 

@@ -8,7 +8,7 @@
 
 // A whole sphere as the lanes of a vector: centre and radius.
 SAGI_INLINE sagi_d4 sagi_sphere_load(const sag_sphere *s) {
-    return (sagi_d4){s->center.x, s->center.y, s->center.z, s->radius};
+    return sagi_d4_of(s->center.x, s->center.y, s->center.z, s->radius);
 }
 
 // Sphere number i < count; false when it is not finite or has no positive radius, and so is not there.
@@ -49,9 +49,9 @@ SAGI_INLINE sagi_d4 sagi_spheres_load(const sag_spheres *s, uint32_t i) {
             (sagi_f4){s->centers_f32[at], s->centers_f32[at + 1], s->centers_f32[at + 2], s->radii_f32[i]});
     double radius = s->radii_f32 ? (double)s->radii_f32[i] : s->radius;
     if (s->centers_f64)
-        return (sagi_d4){s->centers_f64[at], s->centers_f64[at + 1], s->centers_f64[at + 2], radius};
-    return (sagi_d4){(double)s->centers_f32[at], (double)s->centers_f32[at + 1],
-                     (double)s->centers_f32[at + 2], radius};
+        return sagi_d4_of(s->centers_f64[at], s->centers_f64[at + 1], s->centers_f64[at + 2], radius);
+    return sagi_d4_of((double)s->centers_f32[at], (double)s->centers_f32[at + 1],
+                      (double)s->centers_f32[at + 2], radius);
 }
 
 #endif

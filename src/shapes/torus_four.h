@@ -63,36 +63,37 @@ SAGI_INLINE bool sagi_l4_any(sagi_l4 a) { return sagi_d4_signs((sagi_d4)a) != 0;
 SAGI_INLINE sagi_l4 sagi_torus_localise4(const sagi_torus_origin *from, sagi_torus_line *l, sagi_l4 lanes) {
     const double reach = from->major + from->minor * 1.0625, height = from->minor * 1.0625;
     sagi_d4 od = sagi_d4_fill(0), dd = od, p[3], b = od, c = od;
-    for (int i = 0; i < 3; i++) od += from->o[i] * l->d[i], dd += l->d[i] * l->d[i];
+    for (int i = 0; i < 3; i++) od += sagi_d4_fill(from->o[i]) * l->d[i], dd += l->d[i] * l->d[i];
     l->t0 = -od / dd;
     for (int i = 0; i < 3; i++) {
         p[i] = sagi_dd4_add_double(sagi_two_prod4(l->t0, l->d[i]), sagi_d4_fill(from->o[i])).hi;
         b += p[i] * l->d[i], c += p[i] * p[i];
     }
-    sagi_d4 root = b * b + dd * (reach * reach - c);
-    lanes &= root > 0;
+    sagi_d4 root = b * b + dd * (sagi_d4_fill(reach * reach) - c);
+    lanes &= sagi_d4_above(root, 0);
     if (!sagi_l4_any(lanes)) return lanes;
     root = sagi_d4_sqrt(root);
     l->low = (-b - root) / dd, l->high = (-b + root) / dd;
-    const sagi_l4 clipped = sagi_d4_abs(l->d[2]) * (l->high - l->low) > 0x1p-20 * height;
-    const sagi_d4 top = (height - p[2]) / l->d[2], bottom = (-height - p[2]) / l->d[2];
+    const sagi_l4 clipped = sagi_d4_above(sagi_d4_abs(l->d[2]) * (l->high - l->low), 0x1p-20 * height);
+    const sagi_d4 up = sagi_d4_fill(height), top = (up - p[2]) / l->d[2], bottom = (-up - p[2]) / l->d[2];
     const sagi_d4 low = sagi_d4_max(sagi_d4_min(top, bottom), l->low),
                   high = sagi_d4_min(sagi_d4_max(top, bottom), l->high);
-    const sagi_l4 aside =
-        (sagi_d4_abs(p[2] + l->d[2] * l->low) > height) & (sagi_d4_abs(p[2] + l->d[2] * l->high) > height);
+    const sagi_l4 aside = sagi_d4_above(sagi_d4_abs(p[2] + l->d[2] * l->low), height) &
+                          sagi_d4_above(sagi_d4_abs(p[2] + l->d[2] * l->high), height);
     lanes &= clipped | ~aside;
     l->low = sagi_d4_select(clipped, low, l->low), l->high = sagi_d4_select(clipped, high, l->high);
-    lanes &= l->low < l->high;
+    lanes &= sagi_d4_less(l->low, l->high);
     const sagi_d4 slack = 0x1p-18 * (l->high - l->low) + 0x1p-48 * sagi_d4_abs(l->t0);
-    lanes &= ~((l->t0 + l->high + slack < from->t_min) | (l->t0 + l->low - slack > l->t_max));
+    lanes &= ~(sagi_d4_below(l->t0 + l->high + slack, from->t_min) |
+               sagi_d4_less(l->t_max, l->t0 + l->low - slack));
     if (!sagi_l4_any(lanes)) return lanes;
 
     // `set_quartic`.
-    const double r4 = 4 * from->major * from->major, k = from->k.hi;
+    const sagi_d4 r4 = sagi_d4_fill(4 * from->major * from->major), k = sagi_d4_fill(from->k.hi);
     const sagi_d4 xd = p[0] * l->d[0], yd = p[1] * l->d[1], zd = p[2] * l->d[2];
     const sagi_d4 a2 = l->d[0] * l->d[0] + l->d[1] * l->d[1], c2 = p[0] * p[0] + p[1] * p[1], b2 = xd + yd;
     const sagi_d4 b2_size = sagi_d4_abs(xd) + sagi_d4_abs(yd), b_size = b2_size + sagi_d4_abs(zd);
-    const sagi_d4 q = c + k, q_size = c + fabs(k);
+    const sagi_d4 q = c + k, q_size = c + sagi_d4_abs(k);
     l->c[4] = l->sizes[4] = dd * dd;
     l->c[3] = 4 * dd * b, l->sizes[3] = 4 * dd * b_size;
     l->c[2] = 2 * dd * q + 4 * b * b - r4 * a2, l->sizes[2] = 2 * dd * q_size + 4 * b_size * b_size + r4 * a2;
@@ -119,14 +120,14 @@ SAGI_INLINE sagi_l4 sagi_torus_walk4(const sagi_torus_line *l, sagi_l4 *lanes, s
         sagi_d4 y = c[4], g = sagi_d4_fill(0);
         for (int k = 3; k >= 0; k--) g = g * x + y, y = y * x + c[k];
         y -= error, g -= slope_error;
-        const sagi_l4 ends = left & ~(y > near), rises = g > 0;
+        const sagi_l4 ends = left & ~sagi_d4_less(near, y), rises = sagi_d4_above(g, 0);
         there |= ends, left &= ~ends;
         const sagi_d4 root = sagi_d4_sqrt(g * g - 4 * h * y);
         const sagi_d4 top = sagi_d4_select(rises, g + root, 2 * y),
                       bottom = sagi_d4_select(rises, -2 * h, root - g);
         const sagi_d4 next = x + top / bottom * (1 - 0x1p-40);
         x = sagi_d4_select(left, next, x);
-        const sagi_l4 past = left & (x > l->high);
+        const sagi_l4 past = left & sagi_d4_less(l->high, x);
         *lanes &= ~past, left &= ~past;
     }
     *at = x;
@@ -146,24 +147,26 @@ SAGI_INLINE sagi_l4 sagi_torus_polish4(const sagi_torus_origin *from, const sagi
         if (i < 2) rho2 = norm2, rd += p.hi * l->d[i];
         pd += p.hi * l->d[i], dd += l->d[i] * l->d[i];
         size += sagi_d4_abs(p.hi);
-        reach = sagi_d4_max(reach, sagi_d4_abs(step.hi) + fabs(from->o[i]));
+        reach = sagi_d4_max(reach, sagi_d4_abs(step.hi) + sagi_d4_fill(fabs(from->o[i])));
     }
     const sagi_dd r4 = sagi_two_prod(from->major, 4 * from->major);
     const sagi_dd4 q = sagi_dd4_add(norm2, sagi_dd4_fill(from->k)),
                    ring = sagi_dd4_mul(sagi_dd4_fill(sagi_dd_neg(r4)), rho2);
     const sagi_d4 f = sagi_dd4_add(sagi_dd4_mul(q, q), ring).hi;
-    const sagi_d4 q_size = norm2.hi + (from->major * from->major + from->minor * from->minor);
-    const sagi_d4 f_error = 0x1p-98 * (q_size * q_size + r4.hi * rho2.hi) +
-                            0x1p-100 * reach * (4 * q_size * size + 2 * r4.hi * size);
-    const sagi_d4 slope = 4 * q.hi * pd - 2 * r4.hi * rd,
-                  slope_error = 0x1p-47 * (4 * q_size + 2 * r4.hi) * size;
-    const sagi_d4 bend = 8 * pd * pd + (4 * q_size + 2 * r4.hi) * dd;
+    const sagi_d4 q_size = norm2.hi + sagi_d4_fill(from->major * from->major + from->minor * from->minor);
+    const sagi_d4 r4_hi = sagi_d4_fill(r4.hi);
+    const sagi_d4 f_error = 0x1p-98 * (q_size * q_size + r4_hi * rho2.hi) +
+                            0x1p-100 * reach * (4 * q_size * size + 2 * r4_hi * size);
+    const sagi_d4 slope = 4 * q.hi * pd - 2 * r4_hi * rd,
+                  slope_error = 0x1p-47 * (4 * q_size + 2 * r4_hi) * size;
+    const sagi_d4 bend = 8 * pd * pd + (4 * q_size + 2 * r4_hi) * dd;
     const sagi_d4 step = f / slope, length = sagi_d4_abs(step), steep = -slope;
     t = sagi_dd4_add_double(t, -step);
-    sagi_l4 good = (steep > 2 * slope_error) & (length * bend < 0x1p-3 * steep);
+    sagi_l4 good = sagi_d4_less(2 * slope_error, steep) & sagi_d4_less(length * bend, 0x1p-3 * steep);
     const sagi_d4 error =
         1.001 * (2 * f_error + length * (slope_error + bend * length)) / steep + 0x1p-104 * sagi_d4_abs(t.hi);
-    good &= (t.hi + (t.lo + error) == t.hi) & (t.hi + (t.lo - error) == t.hi);
+    // (Rounding is monotone: both are t.hi where the larger is not more and the smaller not less.)
+    good &= sagi_d4_at_most(t.hi + (t.lo + error), t.hi) & sagi_d4_at_most(t.hi, t.hi + (t.lo - error));
     *result = t.hi;
     return good;
 }
@@ -173,18 +176,19 @@ SAGI_INLINE void sagi_torus_first4(const sagi_torus_origin *from, sagi_outline_f
     sagi_d4 size[3];
     for (int i = 0; i < 3; i++) size[i] = sagi_d4_abs(r->d[i]);
     const sagi_d4 largest = sagi_d4_max(sagi_d4_max(size[0], size[1]), size[2]);
-    sagi_l4 usual = (largest >= 0.25) & (largest <= 2); // the error bounds have room for as much
+    // The error bounds have room for as much.
+    sagi_l4 usual = sagi_d4_at_most(sagi_d4_fill(0.25), largest) & sagi_d4_at_most(largest, sagi_d4_fill(2));
     if (!from->usual) usual ^= usual;
     const sagi_l4 nothing = {0, 0, 0, 0};
     r->hit = nothing, r->primitive = sagi_d4_fill(0);
     r->unknown = lanes & ~usual;
     lanes &= usual;
     if (!sagi_l4_any(lanes)) return;
-    sagi_torus_line l = {.d = {r->d[0], r->d[1], r->d[2]}, .t_max = r->t_max * from->shrink};
+    sagi_torus_line l = {.d = {r->d[0], r->d[1], r->d[2]}, .t_max = r->t_max * sagi_d4_fill(from->shrink)};
     lanes = sagi_torus_localise4(from, &l, lanes);
     if (!sagi_l4_any(lanes)) return;
     const sagi_d4 slack = 0x1p-18 * (l.high - l.low) + 0x1p-48 * sagi_d4_abs(l.t0);
-    const sagi_l4 ahead = l.t0 + l.low - slack > sagi_d4_max(sagi_d4_fill(from->t_min), slack);
+    const sagi_l4 ahead = sagi_d4_less(sagi_d4_max(sagi_d4_fill(from->t_min), slack), l.t0 + l.low - slack);
     r->unknown |= lanes & ~ahead;
     lanes &= ahead;
     sagi_d4 at, t;
@@ -194,8 +198,8 @@ SAGI_INLINE void sagi_torus_first4(const sagi_torus_origin *from, sagi_outline_f
     if (!sagi_l4_any(lanes)) return;
     const sagi_l4 certain = sagi_torus_polish4(from, &l, at, &t);
     r->unknown |= lanes & ~certain;
-    r->hit = lanes & certain & (t <= l.t_max);
-    r->t = t * from->grow;
+    r->hit = lanes & certain & sagi_d4_at_most(t, l.t_max);
+    r->t = t * sagi_d4_fill(from->grow);
 }
 
 #endif

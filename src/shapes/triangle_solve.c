@@ -70,7 +70,7 @@ static SAGI_COLD bool solve_carefully(const sagi_triangle_ray *ray, const sag_ve
     return accept(ray, sagi_dd_to_double(sagi_dd_div(numerator, denominator)), beta, gamma, t, u, v);
 }
 
-static sagi_d4 lanes_of(sag_vec3 a) { return (sagi_d4){a.x, a.y, a.z, 0}; }
+static sagi_d4 lanes_of(sag_vec3 a) { return sagi_d4_of(a.x, a.y, a.z, 0); }
 
 bool sagi_triangle_solve(const sagi_triangle_ray *ray, const sag_vec3 *a, const sag_vec3 *b,
                          const sag_vec3 *c, double *t, double *u, double *v) {

@@ -46,12 +46,15 @@
 
 static inline double sagi_larger(double a, double b) { return a > b ? a : b; }
 
-#define REAL         double
-#define MASK         bool
-#define BOTH(a, b)   ((a) && (b))
-#define EITHER(a, b) ((a) || (b))
-#define STEP(name)   sagi_solve1_##name
-#define ABS          fabs
+#define REAL          double
+#define MASK          bool
+#define BOTH(a, b)    ((a) && (b))
+#define EITHER(a, b)  ((a) || (b))
+#define ALL(x)        (x)
+#define LESS(a, b)    ((a) < (b))
+#define AT_MOST(a, b) ((a) <= (b))
+#define STEP(name)    sagi_solve1_##name
+#define ABS           fabs
 typedef sagi_d4 sagi_solve1_vec3; // the fourth place holds anything
 SAGI_INLINE sagi_d4 sagi_solve1_add(sagi_d4 a, sagi_d4 b) { return a + b; }
 SAGI_INLINE sagi_d4 sagi_solve1_sub(sagi_d4 a, sagi_d4 b) { return a - b; }
@@ -74,12 +77,15 @@ SAGI_INLINE void sagi_solve1_sum4(sagi_d4 a, sagi_d4 b, sagi_d4 c, sagi_d4 d, do
 }
 #include "shapes/triangle_step.inl"
 
-#define REAL         sagi_d4
-#define MASK         sagi_l4
-#define BOTH(a, b)   ((a) & (b))
-#define EITHER(a, b) ((a) | (b))
-#define STEP(name)   sagi_solve4_##name
-#define ABS          sagi_d4_abs
+#define REAL          sagi_d4
+#define MASK          sagi_l4
+#define BOTH(a, b)    ((a) & (b))
+#define EITHER(a, b)  ((a) | (b))
+#define ALL(x)        sagi_d4_fill(x)
+#define LESS(a, b)    sagi_d4_less(a, b)
+#define AT_MOST(a, b) sagi_d4_at_most(a, b)
+#define STEP(name)    sagi_solve4_##name
+#define ABS           sagi_d4_abs
 typedef struct sagi_solve4_vec3 {
     sagi_d4 x, y, z;
 } sagi_solve4_vec3;
@@ -358,7 +364,9 @@ static inline uint32_t sagi_triangle_solve4(sagi_triangle_four *four, uint32_t l
     four->t = s.t;
     four->u = sagi_d4_min(sagi_d4_max(s.u, zero), one);
     four->v = sagi_d4_min(sagi_d4_max(s.v, zero), one - four->u);
-    uint32_t hit = lanes & sagi_d4_signs((sagi_d4)(good & (s.t >= rest.z) & (s.t <= four->t_max)));
+    uint32_t hit =
+        lanes &
+        sagi_d4_signs((sagi_d4)(good & sagi_d4_at_most(rest.z, s.t) & sagi_d4_at_most(s.t, four->t_max)));
     uint32_t left = lanes & ~sagi_d4_signs((sagi_d4)(good | beyond));
     for (; __builtin_expect(left != 0, 0); left &= left - 1) {
         const int i = __builtin_ctz(left);

@@ -35,7 +35,8 @@
 // A product that underflows is off by 2⁻¹⁰⁷⁴, which with E ≥ 2⁻²⁰⁰ is nothing beside the first of them. Twice
 // these and 4 |t| leave room for the roundings of t, of the bound and of the comparison.
 //
-// Wants REAL; MASK, what a comparison of REALs gives, and BOTH and EITHER of two; ABS of a REAL; STEP(name);
+// Wants REAL; MASK, what LESS and AT_MOST of two REALs give, and BOTH and EITHER of two; ALL, a REAL from a
+// number; ABS of a REAL; STEP(name);
 // and these: STEP(vec3), of three REALs, and STEP(add), sub, mul, max, scale, abs, turn (y z x), turn_back
 // (z x y), largest (of the three), product_error (what a REAL times a vector has lost), sum ((x + y) + z) and
 // sum4 (of each of four vectors).
@@ -100,26 +101,30 @@ SAGI_INLINE REAL STEP(t_error)(const STEP(step) * s) {
 
 // Whether all of this holds for the step.
 SAGI_INLINE MASK STEP(usual)(const STEP(step) * s) {
-    return BOTH(BOTH(BOTH(s->size >= 0x1p-200, s->size <= 0x1p199), BOTH(s->d1 >= 0x1p-62, s->d1 <= 0x1p64)),
-                BOTH(s->grazing <= 40.0, ABS(s->t) * s->d1 <= 0x1p36 * s->size));
+    return BOTH(BOTH(BOTH(AT_MOST(ALL(0x1p-200), s->size), AT_MOST(s->size, ALL(0x1p199))),
+                     BOTH(AT_MOST(ALL(0x1p-62), s->d1), AT_MOST(s->d1, ALL(0x1p64)))),
+                BOTH(AT_MOST(s->grazing, ALL(40.0)), AT_MOST(ABS(s->t) * s->d1, 0x1p36 * s->size)));
 }
 
 // Whether t and the weights are certainly good enough.
 SAGI_INLINE MASK STEP(good)(const STEP(step) * s) {
     REAL t = ABS(s->t);
-    return BOTH(STEP(usual)(s), BOTH(STEP(t_error)(s) <= 2.8 * t, t * s->d1 >= 0x1p-20 * s->size));
+    return BOTH(STEP(usual)(s), BOTH(AT_MOST(STEP(t_error)(s), 2.8 * t), AT_MOST(0x1p-20 * s->size, t * s->d1)));
 }
 
 // Whether t is certainly less than t_min or more than t_max.
 SAGI_INLINE MASK STEP(beyond)(const STEP(step) * s, REAL t_min, REAL t_max) {
     REAL t = ABS(s->t), cancelled = 0x1p-42 * (s->size / s->d1 + t + ABS(s->step));
     REAL margin = SAGI_EPSILON * (1.01 * STEP(t_error)(s) + 4.0 * t + cancelled);
-    return BOTH(STEP(usual)(s), EITHER(t_min > s->t + margin, t_max < s->t - margin));
+    return BOTH(STEP(usual)(s), EITHER(LESS(s->t + margin, t_min), LESS(t_max, s->t - margin)));
 }
 
 #undef REAL
 #undef MASK
 #undef BOTH
 #undef EITHER
+#undef ALL
+#undef LESS
+#undef AT_MOST
 #undef STEP
 #undef ABS
