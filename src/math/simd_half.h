@@ -145,7 +145,7 @@ SAGI_INLINE uint32_t sagi_w4_least(sagi_w4 a, sagi_w4 b) {
 typedef uint64_t sagi_u2 __attribute__((vector_size(16)));
 SAGI_INLINE sagi_l2 sagi_l2_left(sagi_l2 a, uint64_t n) {
 #ifdef SAGI_SIMD_SSE
-    return (sagi_l2)_mm_sll_epi64((__m128i)a, _mm_cvtsi64_si128((int64_t)n));
+    return (sagi_l2)_mm_sll_epi64((__m128i)a, _mm_cvtsi32_si128((int32_t)n));
 #else
     return (sagi_l2)((sagi_u2)a << (sagi_u2){n, n});
 #endif
