@@ -316,7 +316,8 @@ SAGI_INLINE sagi_f8 sooner_of(sagi_f8 a, sagi_f8 b) {
 // missed it. (Of two entries that are both negative it is not the later one that is handed on, and no matter:
 // r->from is last.)
 SAGI_INLINE sagi_f8 begins_of(size_t node, const slabs *r) {
-    return later_of(later_of(entry(node, r, 0), entry(node, r, 1)), later_of(entry(node, r, 2), sagi_f8_of_same(r->from)));
+    return later_of(later_of(entry(node, r, 0), entry(node, r, 1)),
+                    later_of(entry(node, r, 2), sagi_f8_of_same(r->from)));
 }
 SAGI_INLINE sagi_f8 ends_of(size_t node, const slabs *r, float limit) {
     return sooner_of(sooner_of(way_out(node, r, 0), way_out(node, r, 1)),

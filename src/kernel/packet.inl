@@ -253,7 +253,8 @@ static __attribute__((noinline)) uint32_t packet_trace(const bundle *b, const sa
     if (world->unbounded_count != 0) packet_references(&p, world->unbounded, world->unbounded_count, 0);
     packet_walk(&p, &b->walker);
     uint32_t of[2] = {0, 0}, missing = 0; // by the kind of what they met
-    for (uint32_t i = 0; i < PACKET_GROUPS; i++) missing |= sagi_i8_mask(sagi_i8_above(sagi_i8_fill(0), p.nearest[i])) << 8 * i;
+    for (uint32_t i = 0; i < PACKET_GROUPS; i++)
+        missing |= sagi_i8_mask(sagi_i8_above(sagi_i8_fill(0), p.nearest[i])) << 8 * i;
     missing &= ~p.undecided;
     for (uint32_t left = PACKET_ALL & ~(p.undecided | missing); left != 0; left &= left - 1) {
         const uint32_t r = (uint32_t)__builtin_ctz(left);

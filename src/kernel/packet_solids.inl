@@ -71,8 +71,7 @@ SAGI_INLINE packet_span span_of_ball(const packet_line *line, const sagi_dented_
     const sagi_f8 time = dot8(&l, &v) * line->inverse, none = sagi_f8_fill(0);
     const f8x3 w = {sagi_f8_fma(time, -v.x, l.x), sagi_f8_fma(time, -v.y, l.y), sagi_f8_fma(time, -v.z, l.z)};
     const sagi_f8 s = sagi_f8_fill(r * r) - dot8(&w, &w);
-    const float unsure = DENTED_G * (2 * r + 3 * DENTED_G + 0.125F);
-    const sagi_f8 doubt = sagi_f8_fill(unsure);
+    const sagi_f8 doubt = sagi_f8_fill(DENTED_G * (2 * r + 3 * DENTED_G + 0.125F));
     const sagi_f8 most = sagi_f8_sqrt(sagi_f8_max(s + doubt, none) * line->inverse) + DENTED_T;
     const sagi_f8 least = sagi_f8_sqrt(sagi_f8_max(s - doubt, none) * line->inverse) - DENTED_T;
     const sagi_i8 missed = sagi_f8_less(s, -doubt);
@@ -90,8 +89,8 @@ SAGI_INLINE void place_in_part(const f8x3 *x, sagi_f8 room, const sagi_dented_pa
                                sagi_i8 *out) {
     if (part->is_ball) {
         const f8x3 lo = fill_part(part->lo), l = sub8(&lo, x);
-        const sagi_f8 q = dot8(&l, &l), radius = sagi_f8_fill(part->hi[0]),
-                      outer = radius + room, inner = radius - room;
+        const sagi_f8 q = dot8(&l, &l), radius = sagi_f8_fill(part->hi[0]), outer = radius + room,
+                      inner = radius - room;
         *out = sagi_f8_less(outer * outer, q);
         *in = sagi_f8_less(q, inner * inner) & sagi_f8_above(inner, 0);
         return;
@@ -99,7 +98,8 @@ SAGI_INLINE void place_in_part(const f8x3 *x, sagi_f8 room, const sagi_dented_pa
     sagi_f8 depth = sagi_f8_fill(INFINITY);
     const sagi_f8 *at = &x->x;
     for (int k = 0; k < 3; k++)
-        depth = sagi_f8_min(depth, sagi_f8_min(at[k] - sagi_f8_fill(part->lo[k]), sagi_f8_fill(part->hi[k]) - at[k]));
+        depth = sagi_f8_min(
+            depth, sagi_f8_min(at[k] - sagi_f8_fill(part->lo[k]), sagi_f8_fill(part->hi[k]) - at[k]));
     *out = sagi_f8_less(depth, -room), *in = sagi_f8_less(room, depth);
 }
 
@@ -141,7 +141,8 @@ SAGI_INLINE packet_dent meet_dented(const sagi_dented *solid, const packet_line 
         for (uint32_t i = solid->convex_count; i < solid->count; i++) {
             sagi_i8 inside, outside;
             place_in_part(&x, room, &solid->parts[i], &inside, &outside);
-            const sagi_i8 near = moved & ~outside & ~again & ~sagi_i8_equal(d.owner, sagi_i8_fill((int32_t)i));
+            const sagi_i8 near =
+                moved & ~outside & ~again & ~sagi_i8_equal(d.owner, sagi_i8_fill((int32_t)i));
             if (sagi_i8_mask(near) == 0) continue;
             const packet_span s = span_of_part(line, &solid->parts[i]);
             const sagi_i8 on = near & inside & ~s.doubt & sagi_f8_less(d.in[1], s.out[0]);
@@ -206,7 +207,8 @@ SAGI_INLINE void box_for_four(dented_four *four, const sag_box *box, bool dent) 
             t0 = near, t1 = far;
             continue;
         }
-        const sagi_l4 after = sagi_d4_less(t0, near), sooner = sagi_d4_less(far, t1), number = sagi_l4_fill(k);
+        const sagi_l4 after = sagi_d4_less(t0, near), sooner = sagi_d4_less(far, t1),
+                      number = sagi_l4_fill(k);
         t0 = sagi_d4_select(after, near, t0), enter = (after & number) | (~after & enter);
         t1 = sagi_d4_select(sooner, far, t1), leave = (sooner & number) | (~sooner & leave);
     }
@@ -306,7 +308,8 @@ SAGI_INLINE bool packet_lines(const packet *p, const sagi_dented *solid, const s
             const sagi_f8 turned =
                 sagi_f8_fma(sagi_f8_fill(a[i][2]), p->z[g],
                             sagi_f8_fma(sagi_f8_fill(a[i][1]), p->y[g], sagi_f8_fill(a[i][0]) * p->x[g]));
-            to_b[i] = sagi_f8_fma(sagi_f8_fill(s), turned, sagi_f8_fill(bc[i])), to_v[i] = sagi_f8_fill(vc[i]) + turned;
+            to_b[i] = sagi_f8_fma(sagi_f8_fill(s), turned, sagi_f8_fill(bc[i])),
+            to_v[i] = sagi_f8_fill(vc[i]) + turned;
             far = sagi_f8_max(far, sagi_f8_abs(to_b[i]));
         }
         const sagi_f8 square = dot8(&line[g].v, &line[g].v);

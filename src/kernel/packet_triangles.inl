@@ -103,9 +103,8 @@ SAGI_INLINE void packet_triangle(packet *p, size_t group, const packet_block *at
     sagi_f8 least = sagi_f8_min(sagi_f8_min(e[0], e[1]), e[2]),
             most = sagi_f8_max(sagi_f8_max(e[0], e[1]), e[2]);
     sagi_f8 limit = p->limit[group];
-    sagi_i8 maybe =
-        ~(sagi_f8_below(least, -at->bound) & sagi_f8_above(most, at->bound)) &
-        sagi_f8_at_most(sagi_f8_fill(at->begin), limit);
+    sagi_i8 maybe = ~(sagi_f8_below(least, -at->bound) & sagi_f8_above(most, at->bound)) &
+                    sagi_f8_at_most(sagi_f8_fill(at->begin), limit);
     if (sagi_i8_mask(maybe) == 0) return;
     sagi_f8 w = sagi_f8_fma(z, sagi_f8_fill(at->n.z[lane]),
                             sagi_f8_fma(y, sagi_f8_fill(at->n.y[lane]), x * sagi_f8_fill(at->n.x[lane])));

@@ -112,7 +112,8 @@ SAGI_INLINE bool look_at_all(solid_walk *w, const level *here) {
     for (uint32_t n = 0; n < w->few; n++) {
         const size_t at = n * sizeof(sagi_bvh_node);
         sagi_f8 begin = begins_of(at, &r), end = ends_of(at, &r, here->limit);
-        sagi_i8 met = sagi_f8_at_most(begin, end) & sagi_i8_above(sagi_i8_fill(0), sagi_i8_load(tree->nodes[n].child));
+        sagi_i8 met =
+            sagi_f8_at_most(begin, end) & sagi_i8_above(sagi_i8_fill(0), sagi_i8_load(tree->nodes[n].child));
         any |= sagi_i8_mask(met);
         w->leaves[n] = sagi_f8_select(met, begin, never);
     }

@@ -135,8 +135,9 @@ SAGI_INLINE sagi_d4 grid_zero(const block_constants *k, uint64_t base) {
 // The ray where τ = begin, on the block's grid. False when that is not as near or not known as well as the
 // bounds of blocks' tests take for granted: −2¹⁴ ≤ oᵢ ≤ 2¹⁶ + 2¹⁴, off by 2⁻³ at most.
 SAGI_INLINE bool is_near(const sagi_float_ray *ray, sagi_d4 at, double steps) {
-    return (sagi_d4_signs((sagi_d4)sagi_d4_at_most(sagi_d4_abs(at - sagi_d4_fill(0x1p15)), sagi_d4_fill(0xCp12))) & 7) ==
-               7 &&
+    return (sagi_d4_signs(
+                (sagi_d4)sagi_d4_at_most(sagi_d4_abs(at - sagi_d4_fill(0x1p15)), sagi_d4_fill(0xCp12))) &
+            7) == 7 &&
            ray->error * steps <= 0.125;
 }
 SAGI_INLINE bool start_on_grid(const block_constants *k, const sagi_block *head, const sagi_float_ray *ray,

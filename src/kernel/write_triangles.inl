@@ -128,8 +128,8 @@ static void write_triangles(const sagi_world *world, const sagi_bvh_primitive *p
                 memcpy(sagi_block_corner(block, i, k, 4 * (int)half), &numbers, sizeof numbers);
             }
         }
-        const sagi_l4 exact = there & sagi_l4_equal(rest.bad | rest.beyond, sagi_l4_fill(0)) &
-                              sagi_l4_fill(-(int64_t)floats);
+        const sagi_l4 exact =
+            there & sagi_l4_equal(rest.bad | rest.beyond, sagi_l4_fill(0)) & sagi_l4_fill(-(int64_t)floats);
         const sagi_l4 numbers = (rest.numbers | sagi_l4_fill((int64_t)SAGI_REST_EXACT)) & exact;
         memcpy(block->rest + 4 * half, &numbers, sizeof numbers);
     }

@@ -109,7 +109,8 @@ SAGI_INLINE MASK STEP(usual)(const STEP(step) * s) {
 // Whether t and the weights are certainly good enough.
 SAGI_INLINE MASK STEP(good)(const STEP(step) * s) {
     REAL t = ABS(s->t);
-    return BOTH(STEP(usual)(s), BOTH(AT_MOST(STEP(t_error)(s), 2.8 * t), AT_MOST(0x1p-20 * s->size, t * s->d1)));
+    return BOTH(STEP(usual)(s),
+                BOTH(AT_MOST(STEP(t_error)(s), 2.8 * t), AT_MOST(0x1p-20 * s->size, t * s->d1)));
 }
 
 // Whether t is certainly less than t_min or more than t_max.
