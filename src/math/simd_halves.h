@@ -159,8 +159,9 @@ SAGI_INLINE sagi_f4 sagi_d4_to_f4(sagi_d4 a) { return sagi_f4_of(sagi_d4_half(a,
 SAGI_INLINE sagi_d4 sagi_f4_to_d4(sagi_f4 a) { return sagi_d4_join(sagi_f4_low(a), sagi_f4_high(a)); }
 SAGI_INLINE uint64_t sagi_d4_to_h4(sagi_d4 a) {
     const sagi_d2 xy = sagi_d4_half(a, 0), zw = sagi_d4_half(a, 1);
-    const int64_t low = (int64_t)xy[0] | (int64_t)xy[1] << 16, high = (int64_t)zw[0] | (int64_t)zw[1] << 16;
-    return (uint64_t)(low | high << 32);
+    const uint64_t low = (uint64_t)(int64_t)xy[0] | (uint64_t)(int64_t)xy[1] << 16;
+    const uint64_t high = (uint64_t)(int64_t)zw[0] | (uint64_t)(int64_t)zw[1] << 16;
+    return low | high << 32;
 }
 SAGI_INLINE sagi_d4 sagi_d4_load3(const double *p) { return sagi_d4_of(p[0], p[1], p[2], 0); }
 SAGI_INLINE sagi_d4 sagi_d4_load3_float(const float *p) { return sagi_d4_of(p[0], p[1], p[2], 0); }
