@@ -2,10 +2,11 @@
 // What Assimp gets to read. It reads a file whole before it looks at it, takes noise for text and makes room
 // for whatever a header claims, so what cannot be a file of the format its name promises is refused
 // beforehand. And of a file with materials (MTL) it gets what begins with the first material: what stands
-// before has none to belong to, and Assimp writes it to address 0.
+// before has none to belong to, and Assimp writes it to address 0. Of glTF, see gltf.h.
 #include "formats/import_file.h"
 
 #include "formats/file.h"
+#include "formats/gltf.h"
 
 #include <assimp/cimport.h>
 #include <string.h>
@@ -62,6 +63,9 @@ static bool holds_its_chunks(const sagi_file *file) {
     return left - first < 8 || word_at(file, 4) < 2 || word_at(file, 20 + (size_t)first) <= left - first - 8;
 }
 
+static bool is_binary_gltf(const char *ending) { return strcasecmp(ending, ".glb") == 0; }
+static bool is_gltf(const char *ending) { return strcasecmp(ending, ".gltf") == 0 || is_binary_gltf(ending); }
+
 // Whether the content may be of the format the name promises.
 static bool is_plausible(const sagi_file *file, const char *ending) {
     static const char *const text[] = {".obj", ".off", ".gltf", ".dae", ".x3d", ".wrl",
@@ -77,7 +81,7 @@ static bool is_plausible(const sagi_file *file, const char *ending) {
         if (count > 0 && bytes <= file->size && file->size - bytes <= 50 * count + (1u << 20)) return true;
         return begins(file, "solid") && is_text(file);
     }
-    if (strcasecmp(ending, ".glb") == 0) return begins(file, "glTF") && holds_its_chunks(file);
+    if (is_binary_gltf(ending)) return begins(file, "glTF") && holds_its_chunks(file);
     if (strcasecmp(ending, ".fbx") == 0) return begins(file, "Kaydara FBX Binary") || is_text(file);
     if (strcasecmp(ending, ".3ds") == 0) return begins(file, "MM");
     if (strcasecmp(ending, ".blend") == 0) return begins(file, "BLENDER");
@@ -92,6 +96,9 @@ sag_status sagi_import_check(const sag_context *context, const char *path, sag_e
     if (status != SAG_OK) return status;
     const bool plausible = is_plausible(&file, ending), empty = file.size == 0;
     const bool utf16 = begins(&file, "\xff\xfe") || begins(&file, "\xfe\xff");
+    const sag_status inside = plausible && !empty && is_gltf(ending)
+                                  ? sagi_gltf_check(&file, is_binary_gltf(ending), path, error)
+                                  : SAG_OK;
     sagi_file_close(&file);
     if (!ending[0] || !aiIsExtensionSupported(ending))
         return sag_error_set_at(
@@ -105,7 +112,7 @@ sag_status sagi_import_check(const sag_context *context, const char *path, sag_e
     if (!plausible)
         return sag_error_set_at(error, SAG_ERROR_FORMAT, path, 0, 0,
                                 "the content is not that of a %.20s file", ending);
-    return SAG_OK;
+    return inside;
 }
 
 // ---- a file, open
@@ -115,6 +122,7 @@ typedef struct open_file {
     sagi_file file;
     const uint8_t *bytes; // what there is to read
     size_t size, position;
+    uint8_t *rewritten; // glTF, `size` bytes; or NULL
 } open_file;
 
 static open_file *opened(struct aiFile *io) { return (open_file *)(void *)io->UserData; }
@@ -158,10 +166,20 @@ static size_t first_material(const sagi_file *file) {
     return file->size;
 }
 
+static void on_close(struct aiFileIO *io, struct aiFile *file) {
+    if (!file) return;
+    open_file *f = opened(file);
+    const sag_context *context = (const sag_context *)(const void *)io->UserData;
+    if (f->rewritten) sag_release(context, f->rewritten, f->size);
+    sagi_file_close(&f->file);
+    sag_release(context, f, sizeof *f);
+}
+
 static struct aiFile *on_open(struct aiFileIO *io, const char *path, const char *mode) {
     static const char nothing[] = "# no materials\n";
     const sag_context *context = (const sag_context *)(const void *)io->UserData;
     if (strchr(mode, 'r') == NULL) return NULL;
+    size_t size;
     open_file *f = sag_allocate(context, sizeof *f);
     if (!f) return NULL;
     *f = (open_file){.io = {on_read, on_write, on_tell, on_size, on_seek, on_flush, (aiUserData)f}};
@@ -176,14 +194,14 @@ static struct aiFile *on_open(struct aiFileIO *io, const char *path, const char 
         f->bytes += skipped, f->size -= skipped;
         if (f->size == 0) f->bytes = (const uint8_t *)nothing, f->size = sizeof nothing - 1;
     }
+    if (is_gltf(ending_of(path))) {
+        if (!sagi_gltf_still(&f->file, is_binary_gltf(ending_of(path)), &f->rewritten, &size)) {
+            on_close(io, &f->io);
+            return NULL;
+        }
+        if (f->rewritten) f->bytes = f->rewritten, f->size = size;
+    }
     return &f->io;
-}
-
-static void on_close(struct aiFileIO *io, struct aiFile *file) {
-    if (!file) return;
-    open_file *f = opened(file);
-    sagi_file_close(&f->file);
-    sag_release((const sag_context *)(const void *)io->UserData, f, sizeof *f);
 }
 
 struct aiFileIO sagi_import_files(const sag_context *context) {

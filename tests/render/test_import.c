@@ -433,6 +433,12 @@ static void test_gltf_materials(void **state) {
                 look->look.emission_texture != 0);
     sag_world_destroy(world);
 
+    world = with_gltf_material("{\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_emissive_"
+                               "strength\":{\"emissiveStrength\":10}}}");
+    material_of(world, 0, &look);
+    assert_true(look->look.emission.r == 10 && look->look.emission.g == 5 && look->look.emission.b == 0);
+    sag_world_destroy(world);
+
     world = with_gltf_material("{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":"
                                "{\"index\":0}},\"alphaMode\":\"MASK\",\"alphaCutoff\":0.5}");
     m = material_of(world, 0, &look);
